@@ -26,7 +26,7 @@ PACKAGES  = SLEPc PETSc hdf5-openmpi zlib
 ARCH      = $(if $(PORTABLE),,-march=native)
 PIC       =
 CFLAGS    = -O3 $(ARCH) -g
-WARNINGS  = -Wall -Wextra $(if $(STRICT),-Werror) -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-pass-failed -Wno-psabi
+WARNINGS  = -Wall -Wextra $(if $(STRICT),-Werror) -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-missing-field-initializers -Wno-pass-failed -Wno-psabi
 ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(PIC) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
 LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 

@@ -1,15 +1,17 @@
 #!/usr/bin/python3
-"""The manual page of isph, and the completion of its options in bash, made from README.md beside this file.
+"""The manual page of isph, and the completion of its options in bash, made from options.json beside this file, which
+isph -options_json writes.
 
     manual.py > isph.1
     manual.py --completion > isph
 """
+import json
 import os
-import re
 import sys
 
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "README.md"), encoding="utf-8") as file:
-    README = file.read()
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "options.json"), encoding="utf-8") as file:
+    KNOWN = json.load(file)
+OWNER = "<body>"
 
 HEAD = r""".TH ISPH 1 "" "isph" "User Commands"
 .SH NAME
@@ -35,7 +37,7 @@ COMPLETION = """# Completion of isph's options in bash; written by options/manua
 _isph() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}
   case $before in
-%s    -options_file|-restart|-dump_options|*_file|-output_dir) COMPREPLY=($(compgen -f -- "$word")); return ;;
+%s    -options_file|-restart|-dump_options|*_json|*_file|-output_dir) COMPREPLY=($(compgen -f -- "$word")); return ;;
   esac
   case $word in
     -*) COMPREPLY=($(compgen -W "%s $(_isph_bodies)" -- "$word")) ;;
@@ -56,49 +58,43 @@ complete -o filenames -F _isph isph
 """
 
 
-def groups():
-    """[(title, [(names, default, unit, values, meaning)])] of the list of options."""
-    found = []
-    for line in README.split("<!-- options -->")[1].splitlines():
-        if line.startswith("#"):
-            found.append((line.lstrip("# "), []))
-        elif line.startswith("| `-"):
-            found[-1][1].append([cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip()[1:-1])])
-    return [group for group in found if group[1]]
-
-
 def plain(text):
-    """Text for roff: no marks of markdown, no line that begins with a request."""
-    text = re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", text).replace("`", "").replace("\\", "\\\\").replace("-", "\\-")
+    """Text for roff: no line that begins with a request."""
+    text = text.replace("\\", "\\\\").replace("-", "\\-")
     return "\\&" + text if text[:1] in (".", "'") else text
 
 
 def page():
     """The manual page."""
-    lines = [HEAD.rstrip()]
-    for title, rows in groups():
-        lines.append(".SH " + plain(title).upper())
-        for names, default, unit, values, meaning in rows:
-            facts = [f"default {default}" * bool(default), unit if unit != "1" else "", values]
-            lines += [".TP", ".B " + plain(names),
-                      plain(meaning) + "".join("; " + plain(fact) for fact in facts if fact) + "."]
+    lines, title = [HEAD.rstrip()], None
+    for option in KNOWN["options"]:
+        if option["group"] != title:
+            title = option["group"]
+            lines.append(".SH " + plain(title).upper())
+        facts = [f"default {option['default']}" * bool(option["default"]),
+                 option["unit"] if option["unit"] != "1" else "",
+                 option["range"] or ", ".join(option.get("values", []))]
+        lines += [".TP", ".B " + plain(option["name"]),
+                  plain(option["meaning"]) + "".join("; " + plain(fact) for fact in facts if fact) + "."]
+    lines.append(".SH WHAT CANNOT BE USED TOGETHER")
+    for refusal in KNOWN["refusals"]:
+        lines += [".PP", plain(f"{refusal['one']} {refusal['relation']} {refusal['other']}{refusal['rest']}") + "."]
     return "\n".join(lines)
 
 
 def completion():
     """The completion: names, and the values of options that have a list of them."""
     names, bodies, choices = [], [], ""
-    for _, rows in groups():
-        for cells in rows:
-            own = [name for name in re.findall(r"-[\w<>]+", cells[0]) if "<" not in name]
-            names += own
-            bodies += re.findall(r"-<body>_(\w+)", cells[0])
-            if own and re.fullmatch(r"\w+(, \w+)+", cells[3]):
-                words = cells[3].replace(",", "")
-                choices += f"    {'|'.join(own)}) COMPREPLY=($(compgen -W \"{words}\" -- \"$word\")); return ;;\n"
-    return COMPLETION % (choices, " ".join(names + ["-options_file", "-help", "-log_view", "-ksp_type", "-pc_type",
-                                                    "-ksp_rtol", "-ksp_monitor"]),
-                         " ".join(dict.fromkeys(bodies)))
+    for option in KNOWN["options"]:
+        name, values = option["name"], option.get("values", ["true", "false"] if option["kind"] == "bool" else [])
+        if option["owner"]:
+            bodies.append(name.removeprefix(f"-{OWNER}_"))
+            continue
+        names.append(name)
+        if values:
+            choices += f"    {name}) COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\")); return ;;\n"
+    return COMPLETION % (choices, " ".join([*dict.fromkeys(names), "-options_file", "-help", "-log_view", "-ksp_type",
+                                            "-pc_type", "-ksp_rtol", "-ksp_monitor"]), " ".join(dict.fromkeys(bodies)))
 
 
 if __name__ == "__main__":

@@ -221,66 +221,6 @@ int            JournalFile(void);
    Collective. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop);
 
-/* HelpWanted - whether -help is given without -dump_options. Then the program lists the options of all types, chosen by
-   the scene or not, and stops. Not collective. */
-#define DUMP_OPTION "-dump_options"
-PetscBool HelpWanted(void);
-
-/* ReadTypeOptions - calls the reader with the chosen type. If HelpWanted, it first calls the reader with every
-   registered type, so that -help lists the options of all. The reader sets the object's type and reads the type's
-   options in a block whose title names the type; PETSc prints a block of the same title once. Collective. */
-typedef PetscErrorCode (*TypeReader)(void *object, const char type[]);
-PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object);
-
-/* OptionWord - reads one of the words of a list with NULL, or an enum's two trailing strings, behind 'count' of them
-   inside a PetscOptionsBegin block, and refuses (UserError) others; *value: its index. Collective. */
-#define OptionWord(name, text, count, words, value)                                                                    \
-  OptionReadWord(PetscOptionsObject, name, text, count, words, __func__, value)
-
-/* OptionReal, OptionInt - read a number inside a PetscOptionsBegin block and refuse (UserError) a given value outside
-   the interval, a text like "[0, 1)" or "(0, inf)". -help prints the interval. Collective. */
-#define OptionReal(name, text, interval, value)                                                                        \
-  OptionReadReal(PetscOptionsObject, name, text, interval, __func__, value)
-#define OptionInt(name, text, interval, value) OptionReadInt(PetscOptionsObject, name, text, interval, __func__, value)
-PetscErrorCode OptionReadWord(OptionItems PetscOptionsObject, const char name[], const char text[], PetscInt count,
-                              const char *const words[], const char function[], PetscInt *value);
-PetscErrorCode OptionReadReal(OptionItems PetscOptionsObject, const char name[], const char text[],
-                              const char interval[], const char function[], PetscReal *value);
-PetscErrorCode OptionReadInt(OptionItems PetscOptionsObject, const char name[], const char text[],
-                             const char interval[], const char function[], PetscInt *value);
-
-/* A row of a table of options that a struct is read from: the option, what it means, its interval (NULL: any number),
-   and where its value lies in the struct. The last row has no name. */
-typedef enum {
-  ROW_REAL,      /* PetscReal */
-  ROW_INT,       /* PetscInt */
-  ROW_BOOL,      /* PetscBool */
-  ROW_NUMBERS,   /* OptionNumbers */
-  ROW_FILE,      /* OptionFile */
-  ROW_POINT,     /* PetscReal [3], like the next two read by what knows the dimension */
-  ROW_DIRECTION, /* PetscReal [3], no third component in two dimensions */
-  ROW_AXIS,      /* PetscReal [3], a unit vector from x, y, z or any vector; in two dimensions in the plane */
-  ROW_NORMAL     /* the same; in two dimensions also along z */
-} OptionKind;
-typedef struct {
-  const char *name, *text, *interval;
-  OptionKind  kind;
-  size_t      offset; /* bytes */
-} OptionRow;
-/* OptionNumbers - as many numbers as were given, 0 without the option, one more than any option has at most.
-   OptionFile - a file and a checksum of what was read from it. */
-typedef struct {
-  PetscReal value[10];
-  PetscInt  count;
-} OptionNumbers;
-typedef struct {
-  char               path[PETSC_MAX_PATH_LEN];
-  unsigned long long checksum;
-} OptionFile;
-/* OptionReadRow - reads an option of a table into a struct, whose value is the default; refuses (UserError) a number
-   that is not finite or outside its interval. Inside a PetscOptionsBegin block. Collective. */
-PetscErrorCode OptionReadRow(OptionItems PetscOptionsObject, const OptionRow *row, const char function[], void *data);
-
 /* WordDistance - Damerau-Levenshtein distance of two words (optimal string alignment): the number of letters to insert,
    delete, replace or swap with the next one. Only the first 128 letters of b count. WordsAlike - the distance up to
    which a misspelt name is taken for this one. OptionMeant - " (is -nmae meant for it?)" if an option that nothing has
@@ -317,5 +257,7 @@ static inline PetscReal RandomUnit(unsigned long long seed, unsigned long long c
 
   return (PetscReal)(z >> 11) * (1.0 / 9007199254740992.0);
 }
+
+#include "option_rows.h"
 
 #endif

@@ -27,4 +27,8 @@ void JsonInt(Json *json, const char key[], PetscInt value);
 void JsonBool(Json *json, const char key[], PetscBool value);
 void JsonReals(Json *json, const char key[], PetscInt n, const PetscReal value[]);
 
+/* OptionsJson - writes the noted options as the array "options". scene: those that were read, bodies and all, with
+   their values; else those of any scene, with <body> for the name of a body. Not collective. */
+PetscErrorCode OptionsJson(Json *json, PetscBool scene);
+
 #endif

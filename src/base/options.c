@@ -157,27 +157,3 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
   (void)MPI_Bcast(&bad, 1, MPI_INT, 0, comm);
   return bad ? UserErrorSaid() : PETSC_SUCCESS;
 }
-
-PetscBool HelpWanted(void)
-{
-  PetscBool help = PETSC_FALSE, dump = PETSC_FALSE;
-
-  (void)PetscOptionsHasHelp(NULL, &help);
-  (void)PetscOptionsHasName(NULL, NULL, DUMP_OPTION, &dump);
-  return (PetscBool)(help && !dump);
-}
-
-PetscErrorCode ReadTypeOptions(PetscFunctionList list, const char chosen[], TypeReader reader, void *object)
-{
-  const char **types;
-  int          count;
-
-  PetscFunctionBegin;
-  if (HelpWanted()) {
-    PetscCall(PetscFunctionListGet(list, &types, &count));
-    for (int k = 0; k < count && types[k]; k++) PetscCall(reader(object, types[k])); /* PETSc counts the end too */
-    PetscCall(PetscFree(types));
-  }
-  PetscCall(reader(object, chosen));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -13,8 +13,8 @@
 #define DEFAULT_BAND       4 /* spacings */
 #define DEFAULT_PER_RADIUS 4 /* a drop of eight spacings across is fine all over */
 
-const char *const        FollowTypes[]     = {"none", "surface", "curvature", "FollowType", "FOLLOW_", NULL};
-const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", "FaceType", "FACE_", NULL};
+const char *const        FollowTypes[]     = {"none", "surface", "curvature", NULL};
+const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
 const char *const        FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
 
@@ -27,80 +27,33 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a list in which a number is missing between commas: PETSc would skip the gap. */
-static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, const char option[])
-{
-  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
-  char        text[4 * NAME_LENGTH];
-  size_t      length = 0;
-  PetscBool   found;
-
-  PetscFunctionBegin;
-  PetscCall(
-    PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, option, text, sizeof(text), &found));
-  if (found) PetscCall(PetscStrlen(text, &length));
-  PetscCheckUser(!length || (text[0] != ',' && text[length - 1] != ',' && !strstr(text, ",,")), domain->comm,
-                 "-%s%s %s lacks a number: give numbers with single commas between them", prefix, option + 1, text);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
-                                   const char help[], const char manual[], PetscReal value[DIM], PetscBool *set)
-{
-  const char *prefix          = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
-  PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to detect too many */
-  PetscInt    count           = DIM + 1;
-  PetscBool   found;
-
-  PetscFunctionBegin;
-  PetscCall(RefuseGaps(domain, PetscOptionsObject, option));
-  PetscCall(PetscOptionsRealArray(option, help, manual, number, &count, &found));
-  if (set) *set = found;
-  if (found) {
-    PetscCheckUser(count == domain->dim || (count == DIM && !domain->rings), domain->comm,
-                   "-%s%s must have %s numbers, separated by commas without blanks", prefix, option + 1,
-                   domain->rings      ? "two (distance from the axis, position along the axis)"
-                   : domain->dim == 2 ? "two or three"
-                                      : "three");
-    for (PetscInt d = 0; d < count; d++) {
-      PetscCheckUser(!PetscIsInfOrNanReal(number[d]), domain->comm, "-%s%s must have finite numbers", prefix,
-                     option + 1);
-    }
-    PetscCheckUser(kind == VECTOR_POINT || domain->dim == DIM || count < DIM || number[2] == 0, domain->comm,
-                   "-%s%s must have no third component in two dimensions, not %g", prefix, option + 1,
-                   (double)number[2]);
-    for (PetscInt d = 0; d < count; d++) value[d] = number[d];
-  }
-  if (domain->dim == 2) value[2] = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define PLACE "DomainSetFromOptions"
 
 /* Reads the option -box_<name>: the type of the faces first to last of direction d. */
 static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[], const char what[],
                                    PetscInt d, PetscInt first, PetscInt last)
 {
-  char     option[NAME_LENGTH], help[2 * NAME_LENGTH];
-  PetscInt type = domain->face[d][first];
+  char            option[NAME_LENGTH];
+  const OptionRow rows[] = {{option, what, NULL, NULL, ROW_WORD, 0, .words = FaceTypes}, {.name = NULL}};
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s", name));
-  PetscCall(PetscSNPrintf(help, sizeof(help), "Type of %s", what));
-  PetscCall(OptionWord(option, help, FACE_SYMMETRY + 1, FaceTypes, &type));
-  for (PetscInt side = first; side <= last; side++) domain->face[d][side] = (FaceType)type;
+  PetscCall(OptionsRead(PetscOptionsObject, rows, PLACE, &domain->face[d][first]));
+  for (PetscInt side = first; side <= last; side++) domain->face[d][side] = domain->face[d][first];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side)
 {
-  char       option[NAME_LENGTH];
-  PetscReal *velocity = domain->wall_velocity[d][side];
-  PetscBool  found;
+  char            option[NAME_LENGTH];
+  PetscReal      *velocity = domain->wall_velocity[d][side];
+  const OptionRow rows[]   = {{option, "Velocity of a wall face, tangential", "m/s", NULL, ROW_DIRECTION, 0},
+                              {.name = NULL}};
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity", FaceNames[d][side]));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_DIRECTION, option,
-                                "Velocity of a wall face, tangential (m/s)", "DomainSetFromOptions", velocity, &found));
-  PetscCheckUser(!found || domain->face[d][side] == FACE_WALL, domain->comm,
+  PetscCall(DomainReadOptions(domain, PetscOptionsObject, rows, PLACE, velocity));
+  PetscCheckUser(!OptionFind(option)->given || domain->face[d][side] == FACE_WALL, domain->comm,
                  "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
   PetscCheckUser(velocity[d] == 0, domain->comm,
                  "%s must be tangential: its %s component must be 0, not %g m/s; a wall that moves along its normal is "
@@ -120,9 +73,10 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscInt first = domain->rings && d == 0 ? 1 : 0;
 
-    if (!first) PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "both faces of a direction", d, 0, 1));
+    if (!first)
+      PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "Type of both faces of a direction", d, 0, 1));
     for (PetscInt side = first; side < 2; side++)
-      PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "one face", d, side, side));
+      PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "Type of one face", d, side, side));
     for (PetscInt side = first; side < 2; side++) PetscCall(ReadFaceVelocity(domain, PetscOptionsObject, d, side));
     PetscCheckUser((domain->face[d][0] == FACE_PERIODIC) == (domain->face[d][1] == FACE_PERIODIC), domain->comm,
                    "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
@@ -162,91 +116,81 @@ static PetscErrorCode CheckBox(Domain domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadDimension(Domain domain, OptionItems PetscOptionsObject)
-{
-  static const char *const choices[] = {"2", "3", "axisymmetric"};
-  PetscInt                 choice    = 1;
+/* What the domain is made of. */
+typedef struct {
+  int       dimension;
+  PetscReal coarse, band; /* m; spacings */
+} Given;
 
-  PetscFunctionBegin;
-  PetscCall(
-    OptionWord("-dimension",
-               "Number of dimensions; axisymmetric: particles are rings, x is the distance from the axis, y the "
-               "position along the axis",
-               3, choices, &choice));
-  domain->dim   = choice == 1 ? 3 : 2;
-  domain->rings = (PetscBool)(choice == 2);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const char *const Dimensions[] = {"2", "3", "axisymmetric", NULL};
 
-/* -spacing_follow and its numbers, after -spacing. */
-static PetscErrorCode ReadFollowing(Domain domain, OptionItems PetscOptionsObject)
-{
-  PetscReal band = DEFAULT_BAND;
-  PetscInt  type = FOLLOW_NONE;
+static const OptionRow kind[] = {
+  {"-dimension",
+   "Number of dimensions; axisymmetric: particles are rings, x is the distance from the axis, y the position along the "
+   "axis",
+   NULL, NULL, ROW_WORD, offsetof(Given, dimension), .words = Dimensions},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  domain->per_radius = DEFAULT_PER_RADIUS;
-  PetscCall(OptionWord("-spacing_follow",
-                       "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows "
-                       "to -spacing_coarse away from them",
-                       FOLLOW_CURVATURE + 1, FollowTypes, &type));
-  domain->follow = (FollowType)type;
-  PetscCall(OptionReal("-spacing_band",
-                       "With -spacing_follow: distance from the surface over which the spacing does not grow, in "
-                       "units of -spacing (1)",
-                       "[0, 20]", &band));
-  PetscCall(OptionReal("-spacing_curvature",
-                       "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the "
-                       "sum of both principal curvatures (1)",
-                       "[1, 100]", &domain->per_radius));
-  domain->band = band * domain->spacing;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow grading[] = {
+  {"-spacing_coarse",
+   "Largest particle spacing, far from the regions of -fine and from what -spacing_follow follows; 0: -spacing "
+   "everywhere",
+   "m", "[0, inf)", ROW_REAL, offsetof(Given, coarse)},
+  {"-spacing_band",
+   "With -spacing_follow: distance from the surface over which the spacing does not grow, in units of -spacing", "1",
+   "[0, 20]", ROW_REAL, offsetof(Given, band)},
+  {.name = NULL},
+};
 
-/* -spacing_coarse and -spacing_growth, after -spacing. */
-static PetscErrorCode ReadGrading(Domain domain, OptionItems PetscOptionsObject)
-{
-  const MPI_Comm comm   = domain->comm;
-  PetscReal      coarse = 0;
-
-  PetscFunctionBegin;
-  domain->growth = DEFAULT_GROWTH;
-  PetscCall(OptionReal("-spacing_coarse",
-                       "Largest particle spacing (m), far from the regions of -fine and from what -spacing_follow "
-                       "follows; 0: -spacing everywhere",
-                       "[0, inf)", &coarse));
-  PetscCall(OptionReal("-spacing_growth",
-                       "Increase of the spacing per distance from what is fine (1); 0.05 makes less noise if "
-                       "the spacing grows along a free surface",
-                       "(0, 0.2]", &domain->growth));
-  domain->graded         = (PetscBool)(coarse > 0);
-  domain->spacing_coarse = domain->graded ? coarse : domain->spacing;
-  PetscCheckUser(domain->spacing_coarse >= domain->spacing &&
-                   domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSE_RATIO_MAX * domain->spacing,
-                 comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)coarse, COARSE_RATIO_MAX,
-                 (double)domain->spacing);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow spacing[] = {
+  {"-spacing", "Particle spacing d0", "m", "(0, inf)", ROW_REAL, offsetof(struct _p_Domain, spacing),
+   .fallback = OPTION_REQUIRED},
+  {"-spacing_growth",
+   "Increase of the spacing per distance from what is fine; 0.05 makes less noise if the spacing grows along a free "
+   "surface",
+   "1", "(0, 0.2]", ROW_REAL, offsetof(struct _p_Domain, growth)},
+  {"-spacing_follow",
+   "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows to -spacing_coarse "
+   "away from them",
+   NULL, NULL, ROW_WORD, offsetof(struct _p_Domain, follow), .words = FollowTypes},
+  {"-spacing_curvature",
+   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of both principal "
+   "curvatures",
+   "1", "[1, 100]", ROW_REAL, offsetof(struct _p_Domain, per_radius)},
+  {"-box_lower", "Lower corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, lower),
+   .fallback = OPTION_REQUIRED},
+  {"-box_upper", "Upper corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, upper),
+   .fallback = OPTION_REQUIRED},
+  {.name = NULL},
+};
 
 PetscErrorCode DomainSetFromOptions(Domain domain)
 {
-  MPI_Comm  comm = domain->comm;
+  MPI_Comm  comm  = domain->comm;
+  Given     given = {1, 0, DEFAULT_BAND};
   PetscBool has_lower, has_upper;
 
   PetscFunctionBegin;
+  domain->growth     = DEFAULT_GROWTH;
+  domain->per_radius = DEFAULT_PER_RADIUS;
   PetscOptionsBegin(comm, NULL, "Box", "Domain");
-  PetscCall(ReadDimension(domain, PetscOptionsObject));
-  PetscCall(OptionReal("-spacing", "Particle spacing d0 (m), required", "(0, inf)", &domain->spacing));
+  PetscCall(OptionsRead(PetscOptionsObject, kind, PLACE, &given));
+  domain->dim   = given.dimension == 1 ? 3 : 2;
+  domain->rings = (PetscBool)(given.dimension == 2);
+  PetscCall(DomainReadOptions(domain, PetscOptionsObject, spacing, PLACE, domain));
+  PetscCall(OptionsRead(PetscOptionsObject, grading, PLACE, &given));
   PetscCheckUser(domain->spacing > 0, comm,
                  "-spacing is missing%s: the particle spacing (m) must be given and positive", OptionMeant("-spacing"));
-  PetscCall(ReadGrading(domain, PetscOptionsObject));
-  PetscCall(ReadFollowing(domain, PetscOptionsObject));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_lower",
-                                "Lower corner of the box (m), required", "DomainSetFromOptions", domain->lower,
-                                &has_lower));
-  PetscCall(DomainOptionsVector(domain, PetscOptionsObject, VECTOR_POINT, "-box_upper",
-                                "Upper corner of the box (m), required", "DomainSetFromOptions", domain->upper,
-                                &has_upper));
+  domain->graded         = (PetscBool)(given.coarse > 0);
+  domain->spacing_coarse = domain->graded ? given.coarse : domain->spacing;
+  domain->band           = given.band * domain->spacing;
+  PetscCheckUser(domain->spacing_coarse >= domain->spacing &&
+                   domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSE_RATIO_MAX * domain->spacing,
+                 comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)given.coarse,
+                 COARSE_RATIO_MAX, (double)domain->spacing);
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-box_lower", &has_lower));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-box_upper", &has_upper));
   PetscCheckUser(has_lower && has_upper, comm,
                  "%s is missing%s: the corners of the box, -box_lower and -box_upper (m), must be given",
                  has_lower ? "-box_upper" : "-box_lower", OptionMeant(has_lower ? "-box_upper" : "-box_lower"));

@@ -10,8 +10,8 @@
 
 typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
 typedef enum { FOLLOW_NONE, FOLLOW_SURFACE, FOLLOW_CURVATURE } FollowType;
-extern const char *const FollowTypes[]; /* "none", "surface", "curvature" and PETSc's two trailing strings */
-extern const char *const FaceTypes[];   /* "open", "periodic", "wall", "symmetry" and PETSc's two trailing strings */
+extern const char *const FollowTypes[];     /* "none", "surface", "curvature" */
+extern const char *const FaceTypes[];       /* "open", "periodic", "wall", "symmetry" */
 extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
 
 /* The box. In two dimensions its third extent is [-spacing/2, spacing/2] and the faces there are open. Only
@@ -26,7 +26,7 @@ extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
    regions of -fine (SceneSpacing). A particle keeps its initial volume s^dim and smoothing length (in spacings)
    wherever it moves. Rings join and split, so a ring keeps its smoothing length only. With -spacing_follow the spacing
    grows with the distance from free surfaces, too, and all particles join and split (resampling.h). */
-typedef struct {
+typedef struct _p_Domain {
   MPI_Comm   comm;
   PetscInt   dim;                    /* 2 or 3 */
   PetscBool  rings;                  /* dim is 2, particles are rings about x = 0 */
@@ -84,22 +84,13 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer);
 void           DomainJson(Domain domain, Json *json);
 PetscErrorCode DomainDestroy(Domain *domain);
 
-/* The meaning of an option's vector. In two dimensions the third number of a point is ignored, and the third number of
-   a direction must be zero. With rings a vector has two numbers. */
-typedef enum { VECTOR_POINT, VECTOR_DIRECTION } VectorKind;
-/* DomainOptionsVector - reads an option of dim or three finite numbers inside an options block. value ([3], unit as in
-   the help text) holds the default on entry; its third component is zero in two dimensions on return. set may be NULL.
-   Refuses (UserError) another count of numbers. Collective. */
-PetscErrorCode DomainOptionsVector(Domain domain, OptionItems PetscOptionsObject, VectorKind kind, const char option[],
-                                   const char help[], const char manual[], PetscReal value[DIM], PetscBool *set);
-
 /* DomainUnit - the unit, in the dimensions of the scene, of an extensive quantity whose unit in space is J, N, m3 or
    m2: J/m, N/m, m2 or m in two dimensions, per metre across the plane; rings are whole. Not collective. */
 const char *DomainUnit(Domain domain, const char unit[]);
 
-/* DomainReadOptions - reads the options of a table into a struct inside an options block; function: the one that -help
-   names. Refuses (UserError) what OptionReadRow and DomainOptionsVector do, and directions that are none. Collective.
- */
+/* DomainReadOptions - OptionsReadVectors with this dimension: a vector has dim or three finite numbers, with rings two.
+   In two dimensions the third number of a point is ignored, that of a direction must be zero. Refuses (UserError)
+   directions that are none. Collective. */
 PetscErrorCode DomainReadOptions(Domain domain, OptionItems PetscOptionsObject, const OptionRow rows[],
                                  const char function[], void *data);
 

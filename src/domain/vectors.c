@@ -1,6 +1,7 @@
 /* Options that are vectors: directions, and tables of options with vectors in them. */
 #include "domain.h"
 #include <stdlib.h>
+#include <string.h>
 
 #define TEXT_LENGTH 64 /* of a direction */
 
@@ -20,7 +21,7 @@ static void ParseNumbers(const char text[], PetscInt most, PetscReal number[], P
 }
 
 /* Reads a direction, x, y, z or a vector of any non-zero length; axis: the unit vector, the default on entry. */
-static PetscErrorCode ReadAxis(Domain domain, OptionItems PetscOptionsObject, const OptionRow *row,
+static PetscErrorCode ReadAxis(Domain domain, OptionItems PetscOptionsObject, const OptionRow *row, const char help[],
                                const char function[], PetscReal axis[DIM])
 {
   const char     *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "", *option = row->name;
@@ -32,7 +33,7 @@ static PetscErrorCode ReadAxis(Domain domain, OptionItems PetscOptionsObject, co
 
   PetscFunctionBegin;
   for (PetscInt d = 1; d < DIM; d++) largest = axis[d] > axis[largest] ? d : largest;
-  PetscCall(PetscOptionsString(option, row->text, function, AxisNames[largest], text, sizeof(text), &found));
+  PetscCall(PetscOptionsString(option, help, function, AxisNames[largest], text, sizeof(text), &found));
   if (!found) PetscFunctionReturn(PETSC_SUCCESS);
   if (text[0] >= 'x' && text[0] <= 'z' && !text[1])
     v[text[0] - 'x'] = 1;
@@ -55,21 +56,70 @@ static PetscErrorCode ReadAxis(Domain domain, OptionItems PetscOptionsObject, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a list in which a number is missing between commas: PETSc would skip the gap. */
+static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, const char option[])
+{
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
+  char        text[4 * TEXT_LENGTH];
+  size_t      length = 0;
+  PetscBool   found;
+
+  PetscFunctionBegin;
+  PetscCall(
+    PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, option, text, sizeof(text), &found));
+  if (found) PetscCall(PetscStrlen(text, &length));
+  PetscCheckUser(!length || (text[0] != ',' && text[length - 1] != ',' && !strstr(text, ",,")), domain->comm,
+                 "-%s%s %s lacks a number: give numbers with single commas between them", prefix, option + 1, text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads a point or a direction; *value: the default on entry. */
+static PetscErrorCode ReadComponents(Domain domain, OptionItems PetscOptionsObject, const OptionRow *row,
+                                     const char help[], const char function[], PetscReal value[DIM])
+{
+  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "", *option = row->name;
+  PetscReal   number[DIM + 1] = {value[0], value[1], value[2], 0}; /* one more than allowed, to detect too many */
+  PetscInt    count           = DIM + 1;
+  PetscBool   found;
+
+  PetscFunctionBegin;
+  PetscCall(RefuseGaps(domain, PetscOptionsObject, option));
+  PetscCall(PetscOptionsRealArray(option, help, function, number, &count, &found));
+  if (found) {
+    PetscCheckUser(count == domain->dim || (count == DIM && !domain->rings), domain->comm,
+                   "-%s%s must have %s numbers, separated by commas without blanks", prefix, option + 1,
+                   domain->rings      ? "two (distance from the axis, position along the axis)"
+                   : domain->dim == 2 ? "two or three"
+                                      : "three");
+    for (PetscInt d = 0; d < count; d++) {
+      PetscCheckUser(!PetscIsInfOrNanReal(number[d]), domain->comm, "-%s%s must have finite numbers", prefix,
+                     option + 1);
+    }
+    PetscCheckUser(row->kind == ROW_POINT || domain->dim == DIM || count < DIM || number[2] == 0, domain->comm,
+                   "-%s%s must have no third component in two dimensions, not %g", prefix, option + 1,
+                   (double)number[2]);
+    for (PetscInt d = 0; d < count; d++) value[d] = number[d];
+  }
+  if (domain->dim == 2) value[2] = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An OptionVector. */
+static PetscErrorCode ReadVector(void *context, OptionItems PetscOptionsObject, const OptionRow *row, const char help[],
+                                 const char function[], PetscReal vector[DIM])
+{
+  Domain domain = (Domain)context;
+
+  PetscFunctionBegin;
+  if (row->kind == ROW_AXIS || row->kind == ROW_NORMAL)
+    PetscCall(ReadAxis(domain, PetscOptionsObject, row, help, function, vector));
+  else
+    PetscCall(ReadComponents(domain, PetscOptionsObject, row, help, function, vector));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DomainReadOptions(Domain domain, OptionItems PetscOptionsObject, const OptionRow rows[],
                                  const char function[], void *data)
 {
-  PetscFunctionBegin;
-  for (const OptionRow *row = rows; row && row->name; row++) {
-    PetscReal *vector = (PetscReal *)((char *)data + row->offset);
-
-    if (row->kind == ROW_AXIS || row->kind == ROW_NORMAL)
-      PetscCall(ReadAxis(domain, PetscOptionsObject, row, function, vector));
-    else if (row->kind == ROW_POINT || row->kind == ROW_DIRECTION)
-      PetscCall(DomainOptionsVector(domain, PetscOptionsObject,
-                                    row->kind == ROW_POINT ? VECTOR_POINT : VECTOR_DIRECTION, row->name, row->text,
-                                    function, vector, NULL));
-    else
-      PetscCall(OptionReadRow(PetscOptionsObject, row, function, data));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return OptionsReadVectors(PetscOptionsObject, rows, function, data, ReadVector, domain);
 }

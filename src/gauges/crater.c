@@ -355,9 +355,11 @@ static PetscErrorCode Measure_Crater(Gauges gauges, const void *data, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeCrater = {.bytes          = sizeof(Crater),
-                               .setfromoptions = CraterSetFromOptions,
-                               .check          = CraterCheck,
-                               .view           = CraterView,
-                               .columns        = Columns_Crater,
-                               .measure        = Measure_Crater};
+const GaugeKind GaugeCrater = {.bytes    = sizeof(Crater),
+                               .options  = CraterOptions,
+                               .defaults = CraterDefaults,
+                               .more     = CraterMore,
+                               .check    = CraterCheck,
+                               .view     = CraterView,
+                               .columns  = Columns_Crater,
+                               .measure  = Measure_Crater};

@@ -36,14 +36,14 @@ PetscInt CraterMirrors(Gauges gauges, const Crater *crater)
 }
 
 /* The pool is the first body. Axis and jet radius are those of the last body together with its mirror images. */
-static PetscErrorCode Defaults(Gauges gauges, Crater *crater)
+void CraterDefaults(Gauges gauges, void *data)
 {
+  Crater      *crater = data;
   const Domain domain = gauges->cloud->domain;
   const Scene  scene  = gauges->cloud->scene;
   PetscReal    lower[DIM], upper[DIM], half = 0;
 
-  PetscFunctionBegin;
-  if (!SceneCount(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneCount(scene)) return;
   GaugeBodyBounds(gauges, SceneCount(scene) - 1, lower, upper);
   for (PetscInt d = 0; d < domain->dim - 1; d++) {
     crater->axis[d] = 0.5 * (lower[d] + upper[d]);
@@ -54,8 +54,7 @@ static PetscErrorCode Defaults(Gauges gauges, Crater *crater)
     half = PetscMax(half, PetscMax(upper[d] - crater->axis[d], crater->axis[d] - lower[d]));
   }
   crater->jet_radius = JET_RADIUS * half;
-  PetscCall(PetscStrncpy(crater->pool_name, BodyName(SceneBody(scene, 0)), sizeof(crater->pool_name)));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)PetscStrncpy(crater->pool_name, BodyName(SceneBody(scene, 0)), sizeof(crater->pool_name));
 }
 
 /* Half the distance (m) from the axis to the nearest face of the box, other than mirrors through the axis. */
@@ -75,30 +74,31 @@ static PetscReal CraterRadius(Gauges gauges, const Crater *crater)
   return radius;
 }
 
-PetscErrorCode CraterSetFromOptions(Gauges gauges, OptionItems PetscOptionsObject, void *data)
+const OptionRow CraterOptions[] = {
+  {"-gauge_pool", "Body that is the pool", NULL, NULL, ROW_TEXT, offsetof(Crater, pool_name), .fallback = "the first"},
+  {"-gauge_axis", "Axis of the impact, x,y (in two dimensions x)", "m", NULL, ROW_NUMBERS, offsetof(Crater, given),
+   .fallback = "that of the last body", .most = DIM},
+  {"-gauge_jet_radius", "Radius around the axis that separates jet from crown", "m", "[0, inf)", ROW_REAL,
+   offsetof(Crater, jet_radius), .fallback = "1.1 half widths of the last body"},
+  {.name = NULL},
+};
+
+static const OptionRow wanted[] = {
+  {"-gauge_crater", "Write heights of crown and jet, depth and diameter of the crater to the series", NULL, NULL,
+   ROW_BOOL, offsetof(Crater, wanted), .fallback = "true if one of -gauge_pool, _axis, _jet_radius is given"},
+  {.name = NULL},
+};
+
+PetscErrorCode CraterMore(Gauges gauges, OptionItems PetscOptionsObject, void *data)
 {
-  Crater   *crater = data;
-  PetscInt  n      = gauges->cloud->domain->dim; /* room for one number too many, to refuse it */
-  PetscBool set[3];
+  Crater *crater = data;
 
   PetscFunctionBegin;
-  PetscCall(Defaults(gauges, crater));
-  PetscCall(PetscOptionsString("-gauge_pool", "Body that is the pool; default: the first", "GaugesMeasure",
-                               crater->pool_name, crater->pool_name, sizeof(crater->pool_name), &set[0]));
-  PetscCall(PetscOptionsRealArray("-gauge_axis",
-                                  "Axis of the impact, x,y (in two dimensions x), m; default: that of the last body",
-                                  "GaugesMeasure", crater->axis, &n, &set[1]));
-  crater->axis_numbers = set[1] ? n : gauges->cloud->domain->dim - 1;
-  PetscCall(PetscOptionsReal("-gauge_jet_radius",
-                             "Radius around the axis that separates jet from crown, m; default: 1.1 half widths of the "
-                             "last body",
-                             "GaugesMeasure", crater->jet_radius, &crater->jet_radius, &set[2]));
+  for (const OptionRow *row = CraterOptions; row->name && !crater->wanted; row++)
+    PetscCall(PetscOptionsHasName(NULL, NULL, row->name, &crater->wanted));
+  for (PetscInt d = 0; d < crater->given.count; d++) crater->axis[d] = crater->given.value[d];
   crater->radius = CraterRadius(gauges, crater);
-  crater->wanted = (PetscBool)(set[0] || set[1] || set[2]);
-  PetscCall(PetscOptionsBool("-gauge_crater",
-                             "Write heights of crown and jet, depth and diameter of the crater to the series; default: "
-                             "true if one of -gauge_pool, _axis, _jet_radius is given",
-                             "GaugesMeasure", crater->wanted, &crater->wanted, NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, wanted, "GaugesSetFromOptions", crater));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,14 +113,12 @@ PetscErrorCode CraterCheck(Gauges gauges, void *data)
     if (!gauges->level_given) gauges->level = 0; /* no crater measures it */
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCheckUser(crater->axis_numbers == numbers, gauges->comm, "-gauge_axis has %d numbers; it needs %d.",
-                 (int)crater->axis_numbers, (int)numbers);
+  PetscCheckUser(!crater->given.count || crater->given.count == numbers, gauges->comm,
+                 "-gauge_axis has %d numbers; it needs %d.", (int)crater->given.count, (int)numbers);
   for (crater->pool = 0; crater->pool < SceneCount(scene); crater->pool++)
     if (!strcmp(crater->pool_name, BodyName(SceneBody(scene, crater->pool)))) break;
   PetscCheckUser(crater->pool < SceneCount(scene), gauges->comm, "-gauge_pool is %s, which is none of -bodies.",
                  crater->pool_name);
-  PetscCheckUser(crater->jet_radius >= 0, gauges->comm, "-gauge_jet_radius is %g m; it must not be negative.",
-                 (double)crater->jet_radius);
   PetscCheckUser(crater->radius >= 0, gauges->comm, "-gauge_axis must lie in the box.");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

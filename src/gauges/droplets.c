@@ -169,28 +169,27 @@ PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Droplets(Gauges gauges, OptionItems PetscOptionsObject, void *data)
+static const OptionRow options[] = {
+  {"-gauge_droplets",
+   "Write number and volume of the droplets to the series, and a row for each to droplets.csv at each snapshot: "
+   "droplets are all connected pieces but the largest",
+   NULL, NULL, ROW_BOOL, offsetof(Droplets, wanted)},
+  {"-gauge_droplet_least", "Particles of the smallest droplet; smaller ones are spray", "1", "[1, inf)", ROW_INT,
+   offsetof(Droplets, least)},
+  {"-gauge_droplet_main", "Write the largest piece to droplets.csv too, as the first row of a block", NULL, NULL,
+   ROW_BOOL, offsetof(Droplets, main)},
+  {"-gauge_pinch_off",
+   "Write a row to pinch_off.csv for each droplet that was not there at the previous line of the series", NULL, NULL,
+   ROW_BOOL, offsetof(Droplets, pinch_off)},
+  {.name = NULL},
+};
+
+static void Defaults_Droplets(Gauges gauges, void *data)
 {
   Droplets *droplets = data;
 
-  PetscFunctionBegin;
   droplets->least = DROPLET_LEAST;
   droplets->count = NONE;
-  PetscCall(PetscOptionsBool("-gauge_droplets",
-                             "Write number and volume of the droplets to the series, and a row for each to "
-                             "droplets.csv at each snapshot: droplets are all connected pieces but the largest",
-                             "GaugesMeasure", droplets->wanted, &droplets->wanted, NULL));
-  PetscCall(OptionInt("-gauge_droplet_least", "Particles of the smallest droplet (1); smaller ones are spray",
-                      "[1, inf)", &droplets->least));
-  PetscCall(PetscOptionsBool("-gauge_droplet_main",
-                             "Write the largest piece to droplets.csv too, as the first row of a "
-                             "block",
-                             "GaugesTableRows", droplets->main, &droplets->main, NULL));
-  PetscCall(PetscOptionsBool("-gauge_pinch_off",
-                             "Write a row to pinch_off.csv for each droplet that was not there at the previous line of "
-                             "the series",
-                             "GaugesTableRows", droplets->pinch_off, &droplets->pinch_off, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Columns_Droplets(Gauges gauges, const void *data, ColumnList *list)
@@ -360,9 +359,10 @@ static const GaugeTable tables[] = {
   {.file = "pinch_off.csv", .columns = ColumnsTable_PinchOff, .rows = Rows_PinchOff, .events = PETSC_TRUE},
   {.file = NULL}};
 
-const GaugeKind GaugeDroplets = {.bytes          = sizeof(Droplets),
-                                 .setfromoptions = SetFromOptions_Droplets,
-                                 .columns        = Columns_Droplets,
-                                 .measure        = Measure_Droplets,
-                                 .tables         = tables,
-                                 .destroy        = Destroy_Droplets};
+const GaugeKind GaugeDroplets = {.bytes    = sizeof(Droplets),
+                                 .options  = options,
+                                 .defaults = Defaults_Droplets,
+                                 .columns  = Columns_Droplets,
+                                 .measure  = Measure_Droplets,
+                                 .tables   = tables,
+                                 .destroy  = Destroy_Droplets};

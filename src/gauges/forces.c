@@ -3,18 +3,13 @@
 
 #define TIE 1e-6 /* spacings: depths that differ by less are equal */
 
-static PetscErrorCode SetFromOptions_Forces(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  PetscBool *forces = data;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-gauge_forces",
-                             "Write to the series the force of the liquid on each wall of the box and each solid (N), "
-                             "and the sum of the capillary forces at all contact lines; the force on a free solid "
-                             "differs slightly from the force that moves it",
-                             "GaugesMeasure", *forces, forces, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-gauge_forces",
+   "Write to the series the force of the liquid on each wall of the box and each solid (N), and the sum of the "
+   "capillary forces at all contact lines; the force on a free solid differs slightly from the force that moves it",
+   NULL, NULL, ROW_BOOL, 0},
+  {.name = NULL},
+};
 
 /* Whether the series has the component d of the capillary force at contact lines. A direction with a mirror has no
    column, since the liquid behind the mirror does not count. Rings have the axial direction. */
@@ -147,8 +142,8 @@ static PetscErrorCode Measure_Forces(Gauges gauges, const void *data, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeForces = {.bytes          = sizeof(PetscBool),
-                               .setfromoptions = SetFromOptions_Forces,
-                               .columns        = Columns_Forces,
-                               .measure        = Measure_Forces,
-                               .needs_sums     = PETSC_TRUE};
+const GaugeKind GaugeForces = {.bytes      = sizeof(PetscBool),
+                               .options    = options,
+                               .columns    = Columns_Forces,
+                               .measure    = Measure_Forces,
+                               .needs_sums = PETSC_TRUE};

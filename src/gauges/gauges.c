@@ -50,25 +50,29 @@ void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool correc
   gauges->listed    = PETSC_FALSE;
 }
 
+static const OptionRow options[] = {
+  {"-gauge_level", "Level of the undisturbed free surface, from which heights count", "m", NULL, ROW_REAL,
+   offsetof(struct _p_Gauges, level), .fallback = "measured at the first state with -gauge_crater, else 0"},
+  {"-gauge_multiplicity",
+   "Copies of the simulated part that make the whole scene, 4 for a quarter: columns that are sums, as energies, "
+   "volumes, forces and wetted areas, are those of the whole",
+   "1", "(0, inf)", ROW_REAL, offsetof(struct _p_Gauges, multiplicity)},
+  {.name = NULL},
+};
+
 PetscErrorCode GaugesSetFromOptions(Gauges gauges)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(gauges->comm, NULL, "Gauges: measurements", "Gauges");
-  PetscCall(PetscOptionsReal("-gauge_level",
-                             "Level of the undisturbed free surface (m): heights count from it; nan: measured at the "
-                             "first state with -gauge_crater, else 0",
-                             "GaugesLevel", gauges->level, &gauges->level, NULL));
-  PetscCall(PetscOptionsReal("-gauge_multiplicity",
-                             "Copies of the simulated part that make the whole scene, 4 for a quarter: columns that "
-                             "are sums, as energies, volumes, forces and wetted areas, are those of the whole (1)",
-                             "GaugesFactor", gauges->multiplicity, &gauges->multiplicity, NULL));
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
-    if (kinds[k]->setfromoptions) PetscCall(kinds[k]->setfromoptions(gauges, PetscOptionsObject, gauges->data[k]));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, gauges));
+  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
+    if (kinds[k]->defaults) kinds[k]->defaults(gauges, gauges->data[k]);
+    PetscCall(OptionsRead(PetscOptionsObject, kinds[k]->options, __func__, gauges->data[k]));
+    if (kinds[k]->more) PetscCall(kinds[k]->more(gauges, PetscOptionsObject, gauges->data[k]));
+  }
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
   gauges->listed      = PETSC_FALSE;
-  PetscCheckUser(gauges->multiplicity > 0, gauges->comm, "-gauge_multiplicity is %g; it must be positive.",
-                 (double)gauges->multiplicity);
   for (PetscInt k = 0; k < GAUGE_KINDS; k++)
     if (kinds[k]->check) PetscCall(kinds[k]->check(gauges, gauges->data[k]));
   PetscFunctionReturn(PETSC_SUCCESS);

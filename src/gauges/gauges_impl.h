@@ -21,8 +21,10 @@ typedef struct {
 /* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. data: 'bytes' bytes of its own, zero at
    first. */
 typedef struct {
-  size_t bytes;
-  PetscErrorCode (*setfromoptions)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* in an options block */
+  size_t           bytes;
+  const OptionRow *options;                                                          /* read into the data */
+  void (*defaults)(Gauges gauges, void *data);                                       /* before */
+  PetscErrorCode (*more)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* reads what the table has not */
   PetscErrorCode (*check)(Gauges gauges, void *data); /* refuses bad values, after the block */
   PetscErrorCode (*view)(Gauges gauges, const void *data, PetscViewer viewer);
   PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list);   /* adds its rows of the series */
@@ -68,8 +70,9 @@ struct _p_Gauges {
 
 /* Places of one option, as a list of coordinates. */
 typedef struct {
-  PetscInt  count, numbers;                    /* of places; of coordinates */
+  PetscInt  numbers;                           /* of coordinates; with the next a ROW_NUMBERS */
   PetscReal at[(GAUGE_PLACES_MOST + 1) * DIM]; /* [count][coordinates a place] m; room for one place too many */
+  PetscInt  count;                             /* of places */
 } Places;
 
 static inline char AxisName(PetscInt direction)
@@ -152,21 +155,27 @@ PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connect
 /* Where and how crown, crater and jet are measured. */
 typedef struct {
   PetscBool wanted;
-  char      pool_name[256];
-  PetscInt  pool;         /* index of the pool's body */
-  PetscInt  axis_numbers; /* count of the numbers that the user gave for the axis */
-  PetscReal axis[DIM];    /* m, horizontal */
-  PetscReal jet_radius;   /* m */
-  PetscReal radius;       /* m, the crater lies inside */
+  char      pool_name[PETSC_MAX_PATH_LEN];
+  PetscInt  pool;       /* index of the pool's body */
+  PetscReal axis[DIM];  /* m, horizontal */
+  PetscReal jet_radius; /* m */
+  PetscReal radius;     /* m, the crater lies inside */
+  struct {
+    PetscInt  count;
+    PetscReal value[DIM];
+  } given; /* the axis, as the user gave it */
 } Crater;
 
-/* CraterSetFromOptions, CraterCheck, CraterView - of the GaugeKind. GaugeBodyBounds - bounding box of a body inside the
-   box, m. CraterMirrors - number of symmetry faces that hold the axis. The last two are not collective. */
-PetscErrorCode CraterSetFromOptions(Gauges gauges, OptionItems PetscOptionsObject, void *data);
-PetscErrorCode CraterCheck(Gauges gauges, void *data);
-PetscErrorCode CraterView(Gauges gauges, const void *data, PetscViewer viewer);
-void           GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
-PetscInt       CraterMirrors(Gauges gauges, const Crater *crater);
+/* CraterOptions, CraterDefaults, CraterMore, CraterCheck, CraterView - of the GaugeKind. GaugeBodyBounds - bounding box
+   of a body inside the box, m. CraterMirrors - number of symmetry faces that hold the axis. The last two are not
+   collective. */
+extern const OptionRow CraterOptions[];
+void                   CraterDefaults(Gauges gauges, void *data);
+PetscErrorCode         CraterMore(Gauges gauges, OptionItems PetscOptionsObject, void *data);
+PetscErrorCode         CraterCheck(Gauges gauges, void *data);
+PetscErrorCode         CraterView(Gauges gauges, const void *data, PetscViewer viewer);
+void                   GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
+PetscInt               CraterMirrors(Gauges gauges, const Crater *crater);
 
 /* --- crater_grid.c: cells over the fluid find the liquid connected with the pool, and the surface below the sky --- */
 #define CELL_LIQUID  1  /* holds fluid */

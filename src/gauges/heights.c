@@ -5,19 +5,13 @@
 #define GAP  4   /* points, one spacing: a longer gap ends the liquid column */
 #define HALF 0.5 /* volume fraction of liquid at the free surface */
 
-static PetscErrorCode SetFromOptions_Heights(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  Places *heights = data;
-
-  PetscFunctionBegin;
-  heights->numbers = (GAUGE_PLACES_MOST + 1) * (DIM - 1); /* room for one place too many, to refuse it */
-  PetscCall(
-    PetscOptionsRealArray("-gauge_heights",
-                          "Places x,y,x,y,... (in two dimensions x,x,...) of liquid columns whose height is written "
-                          "to the series, m; a gap of a spacing ends a column; default: none",
-                          "GaugesMeasure", heights->at, &heights->numbers, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-gauge_heights",
+   "Places x,y,x,y,... (in two dimensions x,x,...) of liquid columns whose height is written to the series; a gap of a "
+   "spacing ends a column",
+   "m", NULL, ROW_NUMBERS, 0, .fallback = "none", .most = (GAUGE_PLACES_MOST + 1) * (DIM - 1)},
+  {.name = NULL},
+};
 
 static PetscErrorCode Check_Heights(Gauges gauges, void *data)
 {
@@ -161,8 +155,8 @@ static PetscErrorCode Measure_Heights(Gauges gauges, const void *data, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeHeights = {.bytes          = sizeof(Places),
-                                .setfromoptions = SetFromOptions_Heights,
-                                .check          = Check_Heights,
-                                .columns        = Columns_Heights,
-                                .measure        = Measure_Heights};
+const GaugeKind GaugeHeights = {.bytes   = sizeof(Places),
+                                .options = options,
+                                .check   = Check_Heights,
+                                .columns = Columns_Heights,
+                                .measure = Measure_Heights};

@@ -19,28 +19,22 @@ static void LinePoints(const Places *lines, PetscInt width, PetscInt points, Pet
   }
 }
 
-static PetscErrorCode SetFromOptions_Lines(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  Lines *lines = data;
+static const OptionRow options[] = {
+  {"-gauge_lines",
+   "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four): pressure and velocity along them are "
+   "written to lines.csv at each snapshot, nan inside solids",
+   "m", NULL, ROW_NUMBERS, offsetof(Lines, lines), .fallback = "none", .most = (GAUGE_LINES_MOST + 1) * 2 * DIM},
+  {"-gauge_line_points", "Points of a line, ends included", "1", "[2, 10000]", ROW_INT, offsetof(Lines, points)},
+  {"-gauge_film",
+   "Lines from x,y to x,y (four numbers a line, in two dimensions two): the thickness of the liquid on walls and "
+   "solids below -gauge_line_points points of them is written to film.csv at each snapshot, 0 where they are dry",
+   "m", NULL, ROW_NUMBERS, offsetof(Lines, film), .fallback = "none", .most = (GAUGE_LINES_MOST + 1) * 2 * (DIM - 1)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  lines->lines.numbers = (GAUGE_LINES_MOST + 1) * 2 * DIM; /* room for one line too many, to refuse it */
-  lines->points        = LINE_POINTS;
-  PetscCall(
-    PetscOptionsRealArray("-gauge_lines",
-                          "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four), m: pressure and "
-                          "velocity along them are written to lines.csv at each snapshot, nan inside solids; default: "
-                          "none",
-                          "PointsSample", lines->lines.at, &lines->lines.numbers, NULL));
-  PetscCall(OptionInt("-gauge_line_points", "Points of a line, ends included", "[2, 10000]", &lines->points));
-  lines->film.numbers = (GAUGE_LINES_MOST + 1) * 2 * (DIM - 1); /* room for one line too many, to refuse it */
-  PetscCall(PetscOptionsRealArray(
-    "-gauge_film",
-    "Lines from x,y to x,y (four numbers a line, in two dimensions two), m: the thickness of the "
-    "liquid on walls and solids below -gauge_line_points points of them is written to film.csv at "
-    "each snapshot, 0 where they are dry; default: none",
-    "GaugesTableRows", lines->film.at, &lines->film.numbers, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void Defaults_Lines(Gauges gauges, void *data)
+{
+  ((Lines *)data)->points = LINE_POINTS;
 }
 
 static PetscErrorCode Check_Lines(Gauges gauges, void *data)
@@ -138,7 +132,5 @@ static const GaugeTable tables[] = {{.file = "lines.csv", .columns = Columns_Lin
                                     {.file = "film.csv", .columns = Columns_Film, .rows = Rows_Film},
                                     {.file = NULL}};
 
-const GaugeKind GaugeLines = {.bytes          = sizeof(Lines),
-                              .setfromoptions = SetFromOptions_Lines,
-                              .check          = Check_Lines,
-                              .tables         = tables};
+const GaugeKind GaugeLines = {
+  .bytes = sizeof(Lines), .options = options, .defaults = Defaults_Lines, .check = Check_Lines, .tables = tables};

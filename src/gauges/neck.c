@@ -6,24 +6,25 @@
 #define REACH 1.5  /* spacings */
 #define CLEAR 1.02 /* on both sides of a neck the liquid is thicker by this factor */
 
-static PetscErrorCode SetFromOptions_Neck(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  PetscInt                *axis   = data;
-  static const char *const axes[] = {"x", "y", "z", "none"};
+static const char *const Axes[] = {"x", "y", "z", "none", NULL};
 
-  PetscFunctionBegin;
-  *axis = DIM;
-  PetscCall(OptionWord("-gauge_neck",
-                       "Axis of a thread or jet: the series has the mean diameter of the largest connected piece "
-                       "along it, and diameter and place of its neck (m), nan without one;",
-                       DIM + 1, axes, axis));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static const OptionRow options[] = {
+  {"-gauge_neck",
+   "Axis of a thread or jet: the series has the mean diameter of the largest connected piece along it, and diameter "
+   "and place of its neck (m), nan without one",
+   NULL, NULL, ROW_WORD, 0, .words = Axes},
+  {.name = NULL},
+};
+
+static void Defaults_Neck(Gauges gauges, void *data)
+{
+  *(int *)data = DIM;
 }
 
 static PetscErrorCode Check_Neck(Gauges gauges, void *data)
 {
   const Domain   domain = gauges->cloud->domain;
-  const PetscInt axis   = *(PetscInt *)data;
+  const PetscInt axis   = *(int *)data;
 
   PetscFunctionBegin;
   PetscCheckUser(axis == DIM || (domain->rings ? axis == 1 : axis < domain->dim), gauges->comm,
@@ -39,7 +40,7 @@ static PetscErrorCode Columns_Neck(Gauges gauges, const void *data, ColumnList *
   static const char *const names[] = {"neck_diameter", "neck_position", "thread_diameter"};
 
   PetscFunctionBegin;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names) && *(const PetscInt *)data < DIM; k++)
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(names) && *(const int *)data < DIM; k++)
     PetscCall(ColumnAdd(list, (Column){.unit = "m", .counts = COUNTS_VALUE, .of = OF_PIECE}, "%s", names[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -106,7 +107,7 @@ static PetscInt Neck(PetscInt n, const PetscReal diameter[], PetscInt begin, Pet
 static PetscErrorCode Measure_Neck(Gauges gauges, const void *data, PetscReal value[])
 {
   const Domain    domain = gauges->cloud->domain;
-  const PetscInt  axis   = *(const PetscInt *)data;
+  const PetscInt  axis   = *(const int *)data;
   const PetscReal length = domain->upper[axis] - domain->lower[axis];
   const PetscInt  bins   = PetscMax(1, (PetscInt)(BINS * length / domain->spacing + 0.5));
   const PetscReal bin    = length / bins;
@@ -143,8 +144,9 @@ static PetscErrorCode Measure_Neck(Gauges gauges, const void *data, PetscReal va
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeNeck = {.bytes          = sizeof(PetscInt),
-                             .setfromoptions = SetFromOptions_Neck,
-                             .check          = Check_Neck,
-                             .columns        = Columns_Neck,
-                             .measure        = Measure_Neck};
+const GaugeKind GaugeNeck = {.bytes    = sizeof(PetscInt),
+                             .options  = options,
+                             .defaults = Defaults_Neck,
+                             .check    = Check_Neck,
+                             .columns  = Columns_Neck,
+                             .measure  = Measure_Neck};

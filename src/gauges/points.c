@@ -1,19 +1,13 @@
 /* Pressure and velocity at fixed points: columns of the series. */
 #include "gauges_impl.h"
 
-static PetscErrorCode SetFromOptions_Points(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  Places *points = data;
-
-  PetscFunctionBegin;
-  points->numbers = (GAUGE_PLACES_MOST + 1) * DIM; /* room for one point too many, to refuse it */
-  PetscCall(
-    PetscOptionsRealArray("-gauge_points",
-                          "Points x,y,z,x,y,z,... (in two dimensions x,y,x,y,...), m, whose pressure and velocity are "
-                          "written to the series; in air the pressure is 0, inside a moving solid nan; default: none",
-                          "PointsSample", points->at, &points->numbers, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-gauge_points",
+   "Points x,y,z,x,y,z,... (in two dimensions x,y,x,y,...) whose pressure and velocity are written to the series; in "
+   "air the pressure is 0, inside a moving solid nan",
+   "m", NULL, ROW_NUMBERS, 0, .fallback = "none", .most = (GAUGE_PLACES_MOST + 1) * DIM},
+  {.name = NULL},
+};
 
 static PetscErrorCode Check_Points(Gauges gauges, void *data)
 {
@@ -64,8 +58,8 @@ static PetscErrorCode Measure_Points(Gauges gauges, const void *data, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugePoints = {.bytes          = sizeof(Places),
-                               .setfromoptions = SetFromOptions_Points,
-                               .check          = Check_Points,
-                               .columns        = Columns_Points,
-                               .measure        = Measure_Points};
+const GaugeKind GaugePoints = {.bytes   = sizeof(Places),
+                               .options = options,
+                               .check   = Check_Points,
+                               .columns = Columns_Points,
+                               .measure = Measure_Points};

@@ -333,18 +333,14 @@ static PetscErrorCode Spread(Gauges gauges, PetscInt d, const PetscBool main[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Spread(Gauges gauges, OptionItems PetscOptionsObject, void *data)
-{
-  PetscBool *spread = data;
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-gauge_spread",
-                             "Write to the series, for each wall of the box and each solid, the wetted area (m2), the "
-                             "diameter of the circle of this area (m) and the contact angle seen (degrees); for walls "
-                             "also the widths of the ellipse (3-d) and of the liquid",
-                             "GaugesMeasure", *spread, spread, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-gauge_spread",
+   "Write to the series, for each wall of the box and each solid, the wetted area (m2), the diameter of the circle of "
+   "this area (m) and the contact angle seen (degrees); for walls also the widths of the ellipse (3-d) and of the "
+   "liquid",
+   NULL, NULL, ROW_BOOL, 0},
+  {.name = NULL},
+};
 
 /* The quantities of a receiver, in the order of their columns. */
 typedef enum { WETTED, DIAMETER, ANGLE, EXTENT, LONG, SHORT, QUANTITIES } Quantity;
@@ -437,8 +433,8 @@ static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const GaugeKind GaugeSpread = {.bytes          = sizeof(PetscBool),
-                               .setfromoptions = SetFromOptions_Spread,
-                               .columns        = Columns_Spread,
-                               .measure        = Measure_Spread,
-                               .needs_sums     = PETSC_TRUE};
+const GaugeKind GaugeSpread = {.bytes      = sizeof(PetscBool),
+                               .options    = options,
+                               .columns    = Columns_Spread,
+                               .measure    = Measure_Spread,
+                               .needs_sums = PETSC_TRUE};

@@ -7,5 +7,9 @@
 KERNEL_LOOPS(Evaluate, PetscReal, 1, ROOT_EXACT, W, F)
 KERNEL_LOOPS(Single, float, KERNEL_LANES, ROOT_FAST, W, F)
 
-const KernelOps KernelCubicSpline = {
-  .support = 2.0, .norm2 = 10.0 / (7.0 * PETSC_PI), .norm3 = 1.0 / PETSC_PI, .evaluate = Evaluate, .single = Single};
+const KernelOps KernelCubicSpline = {.choice   = {.name = KERNEL_CUBIC_SPLINE},
+                                     .support  = 2.0,
+                                     .norm2    = 10.0 / (7.0 * PETSC_PI),
+                                     .norm3    = 1.0 / PETSC_PI,
+                                     .evaluate = Evaluate,
+                                     .single   = Single};

@@ -3,41 +3,12 @@
 struct _p_Kernel {
   MPI_Comm         comm;
   PetscInt         dim;
-  char             type[64];
   const KernelOps *ops;
   PetscReal        h, scale_w, scale_f, inverse_h2;
 };
 
-static PetscFunctionList KernelList = NULL;
-
-/* A PetscFunctionList holds functions, so each type is registered as a function that returns its table. */
-typedef const KernelOps *(*KernelTableFunction)(void);
-#define KERNEL_TABLE(type)                                                                                             \
-  static const KernelOps *Table##type(void)                                                                            \
-  {                                                                                                                    \
-    return &Kernel##type;                                                                                              \
-  }
-KERNEL_TABLE(CubicSpline)
-KERNEL_TABLE(WendlandC2)
-KERNEL_TABLE(QuinticSpline)
-
-static PetscErrorCode KernelFinalizePackage(void)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&KernelList));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode KernelRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (KernelList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscRegisterFinalize(KernelFinalizePackage));
-  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_CUBIC_SPLINE, TableCubicSpline));
-  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_WENDLAND_C2, TableWendlandC2));
-  PetscCall(PetscFunctionListAdd(&KernelList, KERNEL_QUINTIC_SPLINE, TableQuinticSpline));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const Choice *const Kernels[] = {&KernelCubicSpline.choice, &KernelWendlandC2.choice, &KernelQuinticSpline.choice,
+                                 NULL};
 
 static void KernelScale(Kernel kernel)
 {
@@ -52,7 +23,6 @@ static void KernelScale(Kernel kernel)
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
 {
   PetscFunctionBegin;
-  PetscCall(KernelRegisterAll());
   PetscCall(PetscNew(kernel));
   (*kernel)->comm = comm;
   (*kernel)->dim  = dim;
@@ -60,28 +30,13 @@ PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode KernelTypes(PetscInt *count, const char ***names)
-{
-  int n;
-
-  PetscFunctionBegin;
-  PetscCall(KernelRegisterAll());
-  PetscCall(PetscFunctionListGet(KernelList, names, &n));
-  *count = n > 0 && !(*names)[n - 1] ? n - 1 : n; /* PETSc 3.18 counts the NULL at the end */
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode KernelSetType(Kernel kernel, const char name[])
 {
-  KernelTableFunction table;
-  char                names[NAMES_LENGTH];
+  const Choice *choice;
 
   PetscFunctionBegin;
-  PetscCall(ListNames(KernelList, names));
-  PetscCall(PetscFunctionListFind(KernelList, name, &table));
-  PetscCheckUser(table, kernel->comm, "-kernel_type %s is not a kernel; there are %s", name, names);
-  kernel->ops = table();
-  PetscCall(PetscStrncpy(kernel->type, name, sizeof(kernel->type)));
+  PetscCall(ChoiceFind(kernel->comm, Kernels, "-kernel_type", name, &choice));
+  kernel->ops = (const KernelOps *)choice;
   KernelScale(kernel);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,28 +50,37 @@ PetscErrorCode KernelSetSmoothingLength(Kernel kernel, PetscReal h)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+typedef struct {
+  char      type[OPTION_WORD_LENGTH];
+  PetscReal ratio; /* h/d0 */
+} Given;
+
+static const OptionRow options[] = {
+  {"-kernel_type", "Smoothing kernel", NULL, NULL, ROW_CHOICE, offsetof(Given, type), .choices = Kernels},
+  {"-kernel_ratio", "Smoothing length h over particle spacing d0", "1", "[1, 3]", ROW_REAL, offsetof(Given, ratio)},
+  {.name = NULL},
+};
+
 PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
 {
-  char      type[64];
-  PetscReal ratio = 1.3;
-  PetscBool set;
+  Given given = {.ratio = 1.3};
 
   PetscFunctionBegin;
+  PetscCall(PetscStrncpy(given.type, KernelType(kernel), sizeof(given.type)));
   PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
-  PetscCall(PetscOptionsFList("-kernel_type", "Smoothing kernel", "KernelSetType", KernelList, kernel->type, type,
-                              sizeof(type), &set));
-  PetscCall(OptionReal("-kernel_ratio", "Smoothing length h over particle spacing d0 (1)", "[1, 3]", &ratio));
+  PetscCall(OptionsRead(PetscOptionsObject, options, "KernelSetFromOptions", &given));
   PetscOptionsEnd();
-  if (set) PetscCall(KernelSetType(kernel, type));
-  PetscCall(KernelSetSmoothingLength(kernel, ratio * spacing));
+  PetscCall(KernelSetType(kernel, given.type));
+  PetscCall(KernelSetSmoothingLength(kernel, given.ratio * spacing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode KernelView(Kernel kernel, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Kernel: %s, %" PetscInt_FMT "-d, h = %g m, support %g m\n", kernel->type,
-                                   kernel->dim, (double)kernel->h, (double)KernelSupport(kernel)));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Kernel: %s, %" PetscInt_FMT "-d, h = %g m, support %g m\n",
+                                   kernel->ops->choice.name, kernel->dim, (double)kernel->h,
+                                   (double)KernelSupport(kernel)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,7 +93,7 @@ PetscErrorCode KernelDestroy(Kernel *kernel)
 
 const char *KernelType(Kernel kernel)
 {
-  return kernel->type;
+  return kernel->ops->choice.name;
 }
 
 PetscReal KernelSmoothingLength(Kernel kernel)

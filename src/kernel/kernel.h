@@ -13,8 +13,9 @@ typedef struct _p_Kernel *Kernel;
 #define KERNEL_WENDLAND_C2    "wendland_c2"
 #define KERNEL_QUINTIC_SPLINE "quintic_spline"
 
-/* What a kernel type provides. A new type needs one file and one line in kernel.c. */
+/* What a kernel type provides. A new type needs one file and one entry of Kernels in kernel.c. */
 typedef struct {
+  Choice    choice;
   PetscReal support;      /* radius of support over h */
   PetscReal norm2, norm3; /* W = norm/h^dim w(r/h) in two and three dimensions */
   /* w[k] = w(q_k) and f[k] = w'(q_k)/q_k for k < n, with q_k = r_k/h and s[k] = q_k^2; zero outside the support. w or f
@@ -22,6 +23,7 @@ typedef struct {
   void (*evaluate)(PetscInt n, const PetscReal s[], PetscReal w[], PetscReal f[]);
   void (*single)(PetscInt n, const float s[], float w[], float f[]);
 } KernelOps;
+extern const Choice *const Kernels[];
 
 /* eta/h: sums over pairs divide by r^2 + eta^2 instead of r^2 (Kuri et al., Eq. (1)). */
 #define ETA_OVER_H 0.1
@@ -29,8 +31,6 @@ typedef struct {
 /* KernelCreate - a cubic spline whose h is not set yet. Collective on comm. */
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel);
 PetscErrorCode KernelSetType(Kernel kernel, const char name[]);
-/* KernelTypes - the names of all types; the array, not the names, to be freed with PetscFree. Not collective. */
-PetscErrorCode KernelTypes(PetscInt *count, const char ***names);
 /* KernelSetSmoothingLength - sets h (m), which must be positive. */
 PetscErrorCode KernelSetSmoothingLength(Kernel kernel, PetscReal h);
 /* KernelSetFromOptions - reads -kernel_type, and sets h to -kernel_ratio times the spacing d0 (m). Collective. */

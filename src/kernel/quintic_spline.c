@@ -10,7 +10,8 @@
 KERNEL_LOOPS(Evaluate, PetscReal, 1, ROOT_EXACT, W, F)
 KERNEL_LOOPS(Single, float, KERNEL_LANES, ROOT_FAST, W, F)
 
-const KernelOps KernelQuinticSpline = {.support  = 3.0,
+const KernelOps KernelQuinticSpline = {.choice   = {.name = KERNEL_QUINTIC_SPLINE},
+                                       .support  = 3.0,
                                        .norm2    = 7.0 / (478.0 * PETSC_PI),
                                        .norm3    = 1.0 / (120.0 * PETSC_PI),
                                        .evaluate = Evaluate,

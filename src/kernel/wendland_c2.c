@@ -7,7 +7,8 @@
 KERNEL_LOOPS(Evaluate, PetscReal, 1, ROOT_EXACT, W, F)
 KERNEL_LOOPS(Single, float, KERNEL_LANES, ROOT_FAST, W, F)
 
-const KernelOps KernelWendlandC2 = {.support  = 2.0,
+const KernelOps KernelWendlandC2 = {.choice   = {.name = KERNEL_WENDLAND_C2},
+                                    .support  = 2.0,
                                     .norm2    = 7.0 / (4.0 * PETSC_PI),
                                     .norm3    = 21.0 / (16.0 * PETSC_PI),
                                     .evaluate = Evaluate,

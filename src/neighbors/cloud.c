@@ -33,18 +33,22 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const OptionRow options[] = {
+  {"-halo_slack", "Distance that particles may move before the ghosts are chosen again", "spacings", "[0.1, 20]",
+   ROW_REAL, offsetof(struct _p_Cloud, slack)},
+  {"-sort_interval", "Steps between two sorts of the particles along the cells", "1", "[1, inf)", ROW_INT,
+   offsetof(struct _p_Cloud, sort_interval)},
+  {.name = NULL},
+};
+
 PetscErrorCode CloudSetFromOptions(Cloud cloud)
 {
-  PetscReal slack = cloud->slack / cloud->domain->spacing_coarse;
-
   PetscFunctionBegin;
+  cloud->slack /= cloud->domain->spacing_coarse; /* in spacings, for the user */
   PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
-  PetscCall(OptionReal("-halo_slack", "distance that particles may move before the ghosts are chosen again (spacings)",
-                       "[0.1, 20]", &slack));
-  PetscCall(OptionInt("-sort_interval", "steps between two sorts of the particles along the cells", "[1, inf)",
-                      &cloud->sort_interval));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, cloud));
   PetscOptionsEnd();
-  cloud->slack = slack * cloud->domain->spacing_coarse;
+  cloud->slack *= cloud->domain->spacing_coarse;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

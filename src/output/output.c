@@ -27,20 +27,30 @@ PetscErrorCode OutputDestroy(Output *output)
   if (!*output) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SeriesFinish(*output));
   PetscCall(FolderUnlock(*output));
-  for (PetscInt k = 0; k < (*output)->content.names; k++) PetscCall(PetscFree((*output)->content.name[k]));
+  for (PetscInt k = 0; k < (*output)->content.named.count; k++) PetscCall(PetscFree((*output)->content.named.name[k]));
   PetscCall(PetscFree((*output)->entry));
   PetscCall(PetscFree((*output)->options));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CheckInterval(Output output, const char option[], PetscReal interval)
-{
-  PetscFunctionBegin;
-  PetscCheckUser(interval >= 0 && !PetscIsInfOrNanReal(interval), output->comm,
-                 "%s is %g s; it must be zero or a positive time in seconds.", option, (double)interval);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-output_dir", "Folder of the run, made with its parents", NULL, NULL, ROW_TEXT, offsetof(struct _p_Output, folder)},
+  {"-output_overwrite", "Remove the files of an earlier run in the folder", NULL, NULL, ROW_BOOL,
+   offsetof(struct _p_Output, overwrite)},
+  {"-series_interval", "Time between lines of series.csv; 0: every step", "s", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Output, series.interval)},
+  {"-snapshot_interval", "Time between snapshots; 0: only the first and the last state", "s", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Output, snapshot.interval)},
+  {"-checkpoint_interval", "Time between checkpoints; 0: only at the end", "s", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Output, checkpoint.interval)},
+  {"-checkpoint_wall_clock",
+   "Wall-clock time between checkpoints into " CHECKPOINT_BY_CLOCK
+   "; each replaces the last, the next other checkpoint "
+   "removes it; a run continued from it differs by round-off and the solver's tolerance; 0: none",
+   "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Output, clock_interval)},
+  {.name = NULL},
+};
 
 PetscErrorCode OutputSetFromOptions(Output output)
 {
@@ -50,27 +60,10 @@ PetscErrorCode OutputSetFromOptions(Output output)
   PetscCall(PetscFree(output->options));
   PetscCall(OutputOptions(&output->options));
   PetscOptionsBegin(output->comm, NULL, "What a run writes", "Output");
-  PetscCall(PetscOptionsString("-output_dir", "Folder of the run, made with its parents", "OutputSetUp", output->folder,
-                               output->folder, sizeof(output->folder), NULL));
-  PetscCall(PetscOptionsBool("-output_overwrite", "Remove the files of an earlier run in the folder", "OutputSetUp",
-                             output->overwrite, &output->overwrite, NULL));
-  PetscCall(PetscOptionsReal("-series_interval", "Time between lines of series.csv, s; 0: every step", "OutputStep",
-                             output->series.interval, &output->series.interval, NULL));
-  PetscCall(PetscOptionsReal("-snapshot_interval", "Time between snapshots, s; 0: only the first and the last state",
-                             "OutputStep", output->snapshot.interval, &output->snapshot.interval, NULL));
-  PetscCall(PetscOptionsReal("-checkpoint_interval", "Time between checkpoints, s; 0: only at the end",
-                             "OutputCheckpoint", output->checkpoint.interval, &output->checkpoint.interval, NULL));
-  PetscCall(OptionReal("-checkpoint_wall_clock",
-                       "wall-clock time between checkpoints into " CHECKPOINT_BY_CLOCK
-                       " (s); each replaces the last, the next other checkpoint removes it; a run continued from it "
-                       "differs by round-off and the solver's tolerance; 0: none",
-                       "[0, inf)", &output->clock_interval));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, output));
   PetscCall(SnapshotSetFromOptions(output, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(SnapshotCheck(output));
-  PetscCall(CheckInterval(output, "-series_interval", output->series.interval));
-  PetscCall(CheckInterval(output, "-snapshot_interval", output->snapshot.interval));
-  PetscCall(CheckInterval(output, "-checkpoint_interval", output->checkpoint.interval));
   PetscCall(PetscStrlen(output->folder, &length));
   PetscCheckUser(length > 0, output->comm, "-output_dir is empty; it must name the folder of the run.");
   PetscCheckUser(length < PETSC_MAX_PATH_LEN - 64, output->comm,

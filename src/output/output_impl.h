@@ -32,14 +32,15 @@ typedef struct {
 
 /* What goes into the snapshots. */
 typedef struct {
-  char     *name[SNAPSHOT_FIELDS + 1]; /* as the user gave them; [names] */
-  PetscInt  names;
-  unsigned  fields;             /* bits, as in SnapshotEntry */
-  PetscBool region;             /* only particles in lower .. upper */
-  PetscInt  numbers[2];         /* how many the user gave */
-  PetscReal corner[2][DIM + 1]; /* m: lower, upper; room for a surplus number, to refuse it */
-  PetscInt  compression;        /* HDF5's deflate, 0 to 9 */
-  PetscBool walls, precise;     /* wall particles too; double precision */
+  struct {
+    PetscInt count;
+    char    *name[SNAPSHOT_FIELDS + 1];
+  } named;                  /* as the user gave them */
+  unsigned  fields;         /* bits, as in SnapshotEntry */
+  PetscBool region;         /* only particles in lower .. upper */
+  PetscReal corner[2][DIM]; /* m: lower, upper */
+  PetscInt  compression;    /* HDF5's deflate, 0 to 9 */
+  PetscBool walls, precise; /* wall particles too; double precision */
 } SnapshotSetup;
 
 struct _p_Output {

@@ -44,6 +44,24 @@ static PetscBool Always(PetscInt f)
   return (PetscBool)(f == FIELD_POSITION || integer == INT_ID || integer == INT_BODY);
 }
 
+static const OptionRow options[] = {
+  {"-snapshot_walls",
+   "Write particles of walls and solids at rest into the snapshots too; those of moving solids always are", NULL, NULL,
+   ROW_BOOL, offsetof(SnapshotSetup, walls)},
+  {"-snapshot_double", "Snapshots in double precision", NULL, NULL, ROW_BOOL, offsetof(SnapshotSetup, precise)},
+  {"-snapshot_fields",
+   "Fields of a snapshot besides position, id and body: velocity, pressure, density, lambda, volume (of rings), size "
+   "(of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface, layer (of walls); or none",
+   NULL, NULL, ROW_NAMES, offsetof(SnapshotSetup, named), .fallback = "all", .most = SNAPSHOT_FIELDS + 1},
+  {"-snapshot_lower", "Lower corner of the region in the snapshots", "m", NULL, ROW_POINT,
+   offsetof(SnapshotSetup, corner[0]), .fallback = "-box_lower"},
+  {"-snapshot_upper", "Upper corner of the region in the snapshots", "m", NULL, ROW_POINT,
+   offsetof(SnapshotSetup, corner[1]), .fallback = "-box_upper"},
+  {"-snapshot_compression", "Deflate level of the snapshots, 0: none, 9: smallest, slow", "1", "[0, 9]", ROW_INT,
+   offsetof(SnapshotSetup, compression)},
+  {.name = NULL},
+};
+
 PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject)
 {
   const Domain   domain  = output->cloud->domain;
@@ -51,36 +69,15 @@ PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObj
   PetscBool      set[2];
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool(
-    "-snapshot_walls",
-    "Write particles of walls and solids at rest into the snapshots too; those of moving solids always are",
-    "OutputStep", content->walls, &content->walls, NULL));
-  PetscCall(PetscOptionsBool("-snapshot_double", "Snapshots in double precision", "OutputStep", content->precise,
-                             &content->precise, NULL));
-  content->names       = SNAPSHOT_FIELDS + 1;
   content->compression = DEFLATE;
-  PetscCall(PetscOptionsStringArray(
-    "-snapshot_fields",
-    "Fields of a snapshot besides position, id and body: velocity, pressure, density, lambda, volume (of rings), size "
-    "(of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface, layer (of walls); or none; "
-    "default: all",
-    "OutputStep", content->name, &content->names, NULL));
   for (PetscInt d = 0; d < DIM; d++) {
     content->corner[0][d] = domain->lower[d];
     content->corner[1][d] = domain->upper[d];
   }
-  content->numbers[0] = content->numbers[1] = domain->dim + 1;
-  PetscCall(PetscOptionsRealArray("-snapshot_lower",
-                                  "Lower corner of the region in the snapshots (m); default: the box's", "OutputStep",
-                                  content->corner[0], &content->numbers[0], &set[0]));
-  PetscCall(PetscOptionsRealArray("-snapshot_upper",
-                                  "Upper corner of the region in the snapshots (m); default: the box's", "OutputStep",
-                                  content->corner[1], &content->numbers[1], &set[1]));
-  for (PetscInt side = 0; side < 2; side++)
-    if (!set[side]) content->numbers[side] = domain->dim;
+  PetscCall(DomainReadOptions(domain, PetscOptionsObject, options, "OutputSetFromOptions", content));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-snapshot_lower", &set[0]));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-snapshot_upper", &set[1]));
   content->region = (PetscBool)(set[0] || set[1]);
-  PetscCall(OptionInt("-snapshot_compression", "Deflate level of the snapshots, 0: none, 9: smallest, slow", "[0, 9]",
-                      &content->compression));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,16 +95,16 @@ static PetscErrorCode CheckFields(Output output)
 
   PetscFunctionBegin;
   content->fields = 0;
-  if (content->names == 1) PetscCall(PetscStrcmp(content->name[0], "none", &none));
+  if (content->named.count == 1) PetscCall(PetscStrcmp(content->named.name[0], "none", &none));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
-    if (Always(f) ||
-        (content->names == 0 && Present(output, f) && (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
+    if (Always(f) || (content->named.count == 0 && Present(output, f) &&
+                      (SnapshotFieldAt(f).integer != INT_LAYER || content->walls)))
       content->fields |= 1U << f;
-  for (PetscInt k = 0; k < content->names && !none; k++) {
+  for (PetscInt k = 0; k < content->named.count && !none; k++) {
     PetscBool found = PETSC_FALSE;
 
     for (PetscInt f = 0; f < SNAPSHOT_FIELDS && !found; f++) {
-      PetscCall(PetscStrcmp(content->name[k], SnapshotFieldAt(f).column.name, &found));
+      PetscCall(PetscStrcmp(content->named.name[k], SnapshotFieldAt(f).column.name, &found));
       found = (PetscBool)(found && Present(output, f));
       if (found) content->fields |= 1U << f;
     }
@@ -116,22 +113,18 @@ static PetscErrorCode CheckFields(Output output)
       "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
       "differs), size (of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface and "
       "layer, or none.",
-      content->name[k]);
+      content->named.name[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode SnapshotCheck(Output output)
 {
-  static const char *const option[2] = {"-snapshot_lower", "-snapshot_upper"};
-  const Domain             domain    = output->cloud->domain;
-  const SnapshotSetup     *content   = &output->content;
+  const Domain         domain  = output->cloud->domain;
+  const SnapshotSetup *content = &output->content;
 
   PetscFunctionBegin;
   PetscCall(CheckFields(output));
-  for (PetscInt side = 0; side < 2; side++)
-    PetscCheckUser(content->numbers[side] == domain->dim, output->comm, "%s has %d numbers; it needs %d.", option[side],
-                   (int)content->numbers[side], (int)domain->dim);
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscReal lower = content->corner[0][d], upper = content->corner[1][d];
 

@@ -397,14 +397,15 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions_Lattice(Packing packing, OptionItems PetscOptionsObject)
-{
-  LatticeData *lattice = (LatticeData *)packing->data;
+static const OptionRow options[] = {
+  {"-packing_jitter", "Largest random displacement from the lattice, of each component", "spacings", "[0, 0.5)",
+   ROW_REAL, offsetof(LatticeData, jitter)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-packing_jitter", "largest random displacement from the lattice, of each component (spacings)",
-                       "[0, 0.5)", &lattice->jitter));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void Defaults(void *owner)
+{
+  ((LatticeData *)((Packing)owner)->data)->jitter = 0.1;
 }
 
 PetscReal LatticeJitter(Packing packing)
@@ -412,23 +413,5 @@ PetscReal LatticeJitter(Packing packing)
   return ((LatticeData *)packing->data)->jitter;
 }
 
-static PetscErrorCode Destroy_Lattice(Packing packing)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(packing->data));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PackingCreate_Lattice(Packing packing)
-{
-  LatticeData *lattice;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(&lattice));
-  lattice->jitter             = 0.1;
-  packing->data               = lattice;
-  packing->ops.setfromoptions = SetFromOptions_Lattice;
-  packing->ops.visit          = Visit_Lattice;
-  packing->ops.destroy        = Destroy_Lattice;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const PackingOps PackingLattice = {.choice = {"lattice", sizeof(LatticeData), options, Defaults, NULL},
+                                   .visit  = Visit_Lattice};

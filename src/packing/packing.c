@@ -2,84 +2,67 @@
 #include "../resampling/resampling.h"
 #include "packing_impl.h"
 
-static PetscFunctionList PackingList = NULL;
+static const Choice *const Packings[] = {&PackingLattice.choice, &PackingPoisson.choice, NULL};
 
-static PetscErrorCode PackingFinalize(void)
+/* Makes a type that of the packing. */
+static PetscErrorCode SetType(Packing packing, const Choice *choice)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&PackingList));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PackingRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (PackingList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFunctionListAdd(&PackingList, "lattice", PackingCreate_Lattice));
-  PetscCall(PetscFunctionListAdd(&PackingList, "poisson", PackingCreate_Poisson));
-  PetscCall(PetscRegisterFinalize(PackingFinalize));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PackingSetType(Packing packing, const char name[])
-{
-  PetscErrorCode (*create)(Packing);
-  char names[NAMES_LENGTH];
-
-  PetscFunctionBegin;
-  PetscCall(ListNames(PackingList, names));
-  PetscCall(PetscFunctionListFind(PackingList, name, &create));
-  PetscCheckUser(create, packing->cloud->comm, "-packing_type %s does not exist; choose from %s", name, names);
-  if (packing->ops.destroy) PetscCall(packing->ops.destroy(packing));
-  PetscCall(PetscMemzero(&packing->ops, sizeof(packing->ops)));
-  PetscCall(PetscStrncpy(packing->type, name, sizeof(packing->type)));
-  PetscCall(create(packing));
+  if (packing->ops && packing->ops->destroy) PetscCall(packing->ops->destroy(packing));
+  PetscCall(PetscFree(packing->data));
+  packing->ops = (const PackingOps *)choice;
+  PetscCall(PetscStrncpy(packing->type, choice->name, sizeof(packing->type)));
+  PetscCall(PetscCalloc(choice->size, &packing->data));
+  choice->defaults(packing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode PackingCreate(Cloud cloud, Packing *packing)
 {
   PetscFunctionBegin;
-  PetscCall(PackingRegisterAll());
   PetscCall(PetscNew(packing));
   (*packing)->cloud = cloud;
   (*packing)->seed  = 1;
   PetscCall(PetscStrncpy((*packing)->cache, "output/packing", sizeof((*packing)->cache)));
-  PetscCall(PackingSetType(*packing, "lattice"));
+  PetscCall(SetType(*packing, &PackingLattice.choice));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A TypeReader of packings. */
-static PetscErrorCode ReadPackingType(void *object, const char type[])
+/* A ChoiceReader. */
+static PetscErrorCode ReadType(void *object, const Choice *choice)
 {
   Packing packing = (Packing)object;
   char    title[128];
 
   PetscFunctionBegin;
-  PetscCall(PackingSetType(packing, type));
-  PetscCall(PetscSNPrintf(title, sizeof(title), "Packing with -packing_type %s", type));
+  PetscCall(SetType(packing, choice));
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Packing with -packing_type %s", choice->name));
   PetscOptionsBegin(packing->cloud->comm, NULL, title, "Packing");
-  if (packing->ops.setfromoptions) PetscCall(packing->ops.setfromoptions(packing, PetscOptionsObject));
+  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "PackingSetFromOptions", packing->data));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const OptionRow options[] = {
+  {"-packing_type", "How bodies are filled with particles", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Packing, type),
+   .choices = Packings},
+  {"-packing_seed", "Seed of the random numbers", "1", "[0, inf)", ROW_INT, offsetof(struct _p_Packing, seed)},
+  {"-packing_cache", "Folder in which finished packings are kept for later runs; empty: none", NULL, NULL, ROW_TEXT,
+   offsetof(struct _p_Packing, cache)},
+  {.name = NULL},
+};
+
 PetscErrorCode PackingSetFromOptions(Packing packing)
 {
   const MPI_Comm comm = packing->cloud->comm;
-  char           type[sizeof(packing->type)];
+  const Choice  *choice;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(type, packing->type, sizeof(type)));
   PetscOptionsBegin(comm, NULL, "Packing", "Packing");
-  PetscCall(PetscOptionsFList("-packing_type", "how bodies are filled with particles", "PackingSetType", PackingList,
-                              type, type, sizeof(type), NULL));
-  PetscCall(OptionInt("-packing_seed", "seed of the random numbers (1)", "[0, inf)", &packing->seed));
-  PetscCall(PetscOptionsString("-packing_cache",
-                               "folder in which finished packings are kept for later runs; empty: none",
-                               "PackingSetFromOptions", packing->cache, packing->cache, sizeof(packing->cache), NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, packing));
   PetscOptionsEnd();
-  PetscCall(ReadTypeOptions(PackingList, type, ReadPackingType, packing));
+  PetscCall(ChoiceFind(comm, Packings, "-packing_type", packing->type, &choice));
+  PetscCall(ChoicesRead(Packings, "-packing_type", NULL, choice, OptionsAll(), ReadType, packing));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,7 +70,8 @@ PetscErrorCode PackingDestroy(Packing *packing)
 {
   PetscFunctionBegin;
   if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
-  if ((*packing)->ops.destroy) PetscCall((*packing)->ops.destroy(*packing));
+  if ((*packing)->ops->destroy) PetscCall((*packing)->ops->destroy(*packing));
+  PetscCall(PetscFree((*packing)->data));
   PetscCall(EmissionsDestroy(*packing));
   PetscCall(GradedDestroy(*packing));
   PetscCall(PetscFree(*packing));
@@ -127,10 +111,10 @@ static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
   const Domain       domain  = cloud->domain;
-  const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops.visit,
+  const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops->visit,
                                 domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
-  Dummies  dummies  = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
-  void    *source[] = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
+  Dummies  dummies                                 = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
+  void    *source[]                                = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
   PetscInt count[PETSC_STATIC_ARRAY_LENGTH(visit)] = {0}, first_id = 0;
 
   PetscFunctionBegin;
@@ -234,11 +218,11 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(PetscMemzero(report, sizeof(*report)));
   PetscCall(PackingCheckMemory(packing));
   ProgressBegin("the packing", "no step was computed");
-  if (packing->ops.setup) PetscCall(packing->ops.setup(packing, report));
+  if (packing->ops->setup) PetscCall(packing->ops->setup(packing, report));
   if (cloud->domain->graded) PetscCall(GradedSetUp(packing));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));
-  if (packing->ops.improve) PetscCall(packing->ops.improve(packing, report));
+  if (packing->ops->improve) PetscCall(packing->ops->improve(packing, report));
   PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(cloud));
   PetscCall(PackingMeasure(packing, report));

@@ -45,8 +45,7 @@ typedef struct {
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
-  /* Reads the options of the type, inside a block. */
-  PetscErrorCode (*setfromoptions)(Packing packing, OptionItems PetscOptionsObject);
+  Choice choice;                                                   /* its owner is the packing */
   PetscErrorCode (*setup)(Packing packing, PackingReport *report); /* before the visits; collective */
   SampleSource visit; /* the fluid, with the ids 0, 1, ...; the source is the packing */
   PetscErrorCode (*improve)(Packing packing, PackingReport *report); /* moves the particles in the cloud; collective */
@@ -54,20 +53,19 @@ typedef struct {
 } PackingOps;
 
 struct _p_Packing {
-  Cloud      cloud; /* borrowed */
-  char       type[64];
-  PackingOps ops;
-  void      *data; /* of the type */
-  PetscInt   seed;
-  PetscInt   count; /* fluid particles, over all ranks */
-  char       cache[PETSC_MAX_PATH_LEN];
-  Emission   emission[SCENE_MAX_BODIES];
-  PetscInt   graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls */
-  Sample    *graded[2];       /* [graded_count], NULL until GradedSetUp */
+  Cloud             cloud; /* borrowed */
+  char              type[OPTION_WORD_LENGTH];
+  const PackingOps *ops;
+  void             *data; /* of the type */
+  PetscInt          seed;
+  PetscInt          count; /* fluid particles, over all ranks */
+  char              cache[PETSC_MAX_PATH_LEN];
+  Emission          emission[SCENE_MAX_BODIES];
+  PetscInt          graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls */
+  Sample           *graded[2];       /* [graded_count], NULL until GradedSetUp */
 };
 
-PetscErrorCode PackingCreate_Lattice(Packing packing);
-PetscErrorCode PackingCreate_Poisson(Packing packing);
+extern const PackingOps PackingLattice, PackingPoisson;
 
 /* A lattice: point i of direction d is at origin[d] + i pitch[d] (m), 0 <= i < n[d]. Its points are numbered as the
    cells of a box are (CellIndex). */

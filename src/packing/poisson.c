@@ -14,17 +14,20 @@ typedef struct {
   PetscInt          *body; /* [n] */
 } Poisson;
 
-static PetscErrorCode SetFromOptions_Poisson(Packing packing, OptionItems PetscOptionsObject)
-{
-  Poisson *p = (Poisson *)packing->data;
+static const OptionRow options[] = {
+  {"-packing_distance", "Smallest distance of two particles of liquid", "spacings", "(0, 1)", ROW_REAL,
+   offsetof(Poisson, distance)},
+  {"-packing_tolerance", "Standard deviation of the density over the rest density at which the optimisation stops", "1",
+   "(0, 1)", ROW_REAL, offsetof(Poisson, tolerance)},
+  {.name = NULL},
+};
 
-  PetscFunctionBegin;
-  PetscCall(
-    OptionReal("-packing_distance", "smallest distance of two particles of liquid (spacings)", "(0, 1)", &p->distance));
-  PetscCall(OptionReal("-packing_tolerance",
-                       "standard deviation of the density over the rest density at which the optimisation stops (1)",
-                       "(0, 1)", &p->tolerance));
-  PetscFunctionReturn(PETSC_SUCCESS);
+static void Defaults(void *owner)
+{
+  Poisson *p = (Poisson *)((Packing)owner)->data;
+
+  p->distance  = DISTANCE;
+  p->tolerance = TOLERANCE;
 }
 
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
@@ -98,23 +101,11 @@ static PetscErrorCode Destroy_Poisson(Packing packing)
   PetscFunctionBegin;
   PetscCall(PetscFree(p->x));
   PetscCall(PetscFree(p->body));
-  PetscCall(PetscFree(packing->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PackingCreate_Poisson(Packing packing)
-{
-  Poisson *p;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(&p));
-  p->distance                 = DISTANCE;
-  p->tolerance                = TOLERANCE;
-  packing->data               = p;
-  packing->ops.setfromoptions = SetFromOptions_Poisson;
-  packing->ops.setup          = SetUp_Poisson;
-  packing->ops.visit          = Visit_Poisson;
-  packing->ops.improve        = Improve_Poisson;
-  packing->ops.destroy        = Destroy_Poisson;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const PackingOps PackingPoisson = {.choice  = {"poisson", sizeof(Poisson), options, Defaults, NULL},
+                                   .setup   = SetUp_Poisson,
+                                   .visit   = Visit_Poisson,
+                                   .improve = Improve_Poisson,
+                                   .destroy = Destroy_Poisson};

@@ -8,39 +8,24 @@
 #define DEFAULT_RELAXATION_TIME 1e-3 /* s, if neither the user nor the stepper chooses */
 #define REGULARIZATION          2    /* see gradient.c */
 
-static PetscFunctionList SourceList = NULL, ClosureList = NULL, GradientList = NULL;
+static const SourceChoice   Density    = {{.name = SOURCE_DENSITY}, SourceDensity};
+static const SourceChoice   Divergence = {{.name = SOURCE_DIVERGENCE}, SourceDivergence};
+static const ClosureChoice  Doubled    = {{.name = CLOSURE_DOUBLED}, ClosureDoubled};
+static const ClosureChoice  Full       = {{.name = CLOSURE_FULL}, ClosureFull};
+static const GradientChoice Symmetric  = {{.name = GRADIENT_SYMMETRIC}, GradientSymmetric};
+static const GradientChoice Corrected  = {{.name = GRADIENT_CORRECTED}, GradientCorrected};
+static const GradientChoice Conserved  = {{.name = GRADIENT_CONSERVED}, GradientConserved};
 
-static PetscErrorCode PressureFinalizePackage(void)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&SourceList));
-  PetscCall(PetscFunctionListDestroy(&ClosureList));
-  PetscCall(PetscFunctionListDestroy(&GradientList));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PressureRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (SourceList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscRegisterFinalize(PressureFinalizePackage));
-  PetscCall(PCTwoLevelRegister());
-  PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DENSITY, SourceDensity));
-  PetscCall(PetscFunctionListAdd(&SourceList, SOURCE_DIVERGENCE, SourceDivergence));
-  PetscCall(PetscFunctionListAdd(&ClosureList, CLOSURE_DOUBLED, ClosureDoubled));
-  PetscCall(PetscFunctionListAdd(&ClosureList, CLOSURE_FULL, ClosureFull));
-  PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_SYMMETRIC, GradientSymmetric));
-  PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CORRECTED, GradientCorrected));
-  PetscCall(PetscFunctionListAdd(&GradientList, GRADIENT_CONSERVED, GradientConserved));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const Choice *const Sources[]   = {&Density.choice, &Divergence.choice, NULL};
+static const Choice *const Closures[]  = {&Doubled.choice, &Full.choice, NULL};
+static const Choice *const Gradients[] = {&Symmetric.choice, &Corrected.choice, &Conserved.choice, NULL};
 
 PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
 {
   Pressure p;
 
   PetscFunctionBegin;
-  PetscCall(PressureRegisterAll());
+  PetscCall(PCTwoLevelRegister());
   PetscCall(PetscNew(&p));
   p->cloud           = cloud;
   p->kept            = KEPT_NONE;
@@ -55,22 +40,20 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
 PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
                                 PetscBool summed)
 {
+  const MPI_Comm comm = pressure->cloud->comm;
+  const Choice  *choice;
+
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(pressure->source_type, source, sizeof(pressure->source_type)));
   PetscCall(PetscStrncpy(pressure->closure_type, closure, sizeof(pressure->closure_type)));
   PetscCall(PetscStrncpy(pressure->gradient_type, gradient, sizeof(pressure->gradient_type)));
-  PetscCall(PetscFunctionListFind(SourceList, source, &pressure->source));
-  PetscCall(PetscFunctionListFind(ClosureList, closure, &pressure->closure));
-  PetscCall(PetscFunctionListFind(GradientList, gradient, &pressure->gradient));
-  PetscCheckUser(pressure->source, pressure->cloud->comm,
-                 "-pressure_source %s does not exist; choose from " SOURCE_DENSITY " and " SOURCE_DIVERGENCE, source);
-  PetscCheckUser(pressure->closure, pressure->cloud->comm,
-                 "-pressure_closure %s does not exist; choose from " CLOSURE_DOUBLED " and " CLOSURE_FULL, closure);
-  PetscCheckUser(pressure->gradient, pressure->cloud->comm,
-                 "-pressure_gradient %s does not exist; choose from " GRADIENT_SYMMETRIC ", " GRADIENT_CORRECTED
-                 " and " GRADIENT_CONSERVED,
-                 gradient);
-  pressure->summed = summed;
+  PetscCall(ChoiceFind(comm, Sources, "-pressure_source", source, &choice));
+  pressure->source = ((const SourceChoice *)choice)->apply;
+  PetscCall(ChoiceFind(comm, Closures, "-pressure_closure", closure, &choice));
+  pressure->closure = ((const ClosureChoice *)choice)->apply;
+  PetscCall(ChoiceFind(comm, Gradients, "-pressure_gradient", gradient, &choice));
+  pressure->gradient = ((const GradientChoice *)choice)->apply;
+  pressure->summed   = summed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,53 +74,39 @@ PetscReal PressureRelaxationTime(Pressure pressure)
   return pressure->relaxation_time;
 }
 
-/* Reads the types, and by which density the operators divide. Call it between PetscOptionsBegin and PetscOptionsEnd. */
-static PetscErrorCode ReadTypes(Pressure pressure, OptionItems PetscOptionsObject)
-{
-  const char *const choices[] = {"rest", "summed"};
-  char              source[TYPE_LENGTH], closure[TYPE_LENGTH], gradient[TYPE_LENGTH];
-  PetscInt          choice = pressure->summed;
+static const char *const Divisors[] = {"rest", "summed", NULL};
 
-  PetscFunctionBegin;
-  PetscCall(PetscStrncpy(source, pressure->source_type, sizeof(source)));
-  PetscCall(PetscStrncpy(closure, pressure->closure_type, sizeof(closure)));
-  PetscCall(PetscStrncpy(gradient, pressure->gradient_type, sizeof(gradient)));
-  PetscCall(PetscOptionsFList("-pressure_source", "what the pressure must remove", "PressureSetTypes", SourceList,
-                              source, source, sizeof(source), NULL));
-  PetscCall(PetscOptionsFList("-pressure_closure", "how the free surface closes the equation", "PressureSetTypes",
-                              ClosureList, closure, closure, sizeof(closure), NULL));
-  PetscCall(PetscOptionsFList("-pressure_gradient", "form of the pressure gradient", "PressureSetTypes", GradientList,
-                              gradient, gradient, sizeof(gradient), NULL));
-  PetscCall(PetscOptionsEList("-pressure_density", "density by which the operators divide", "PressureSetTypes", choices,
-                              2, choices[choice], &choice, NULL));
-  PetscCall(PressureSetTypes(pressure, source, closure, gradient, (PetscBool)choice));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow types[] = {
+  {"-pressure_source", "What the pressure must remove", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Pressure, source_type), .choices = Sources},
+  {"-pressure_closure", "How the free surface closes the equation", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Pressure, closure_type), .choices = Closures},
+  {"-pressure_gradient", "Form of the pressure gradient", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Pressure, gradient_type), .choices = Gradients},
+  {"-pressure_density", "Density by which the operators divide", NULL, NULL, ROW_WORD,
+   offsetof(struct _p_Pressure, summed), .words = Divisors},
+  {.name = NULL},
+};
 
-/* Call it between PetscOptionsBegin and PetscOptionsEnd, like ReadTypes. */
-static PetscErrorCode ReadNumbers(Pressure p, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-pressure_regularization",
-                       "background pressure of the corrected gradient that spreads particles, over h |grad p| (1)",
-                       "[0, inf)", &p->regularization));
-  PetscCall(
-    OptionReal("-pressure_relaxation_time",
-               "time in which the divergence source corrects density errors (s); 0: from the scene's velocity and h",
-               "[0, inf)", &p->relaxation_option));
-  PetscCall(PetscOptionsBool("-pressure_wall_suction",
-                             "the density source of walls may be negative, as printed: walls may pull",
-                             "PressureSetFromOptions", p->wall_suction, &p->wall_suction, NULL));
-  PetscCall(OptionInt(
-    "-pressure_rebuild_interval",
-    "steps after which the preconditioner is rebuilt (1); 0: 10 for twolevel, jacobi and none, 50 for all others",
-    "[0, inf)", &p->rebuild_interval));
-  PetscCall(OptionReal("-pressure_density_tolerance",
-                       "largest relative density error that the solver may leave in a step (1); 0: PETSc's own test, "
-                       "-ksp_rtol and the others",
-                       "[0, inf)", &p->density_tolerance));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow numbers[] = {
+  {"-pressure_regularization", "Background pressure of the corrected gradient that spreads particles, over h |grad p|",
+   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Pressure, regularization)},
+  {"-pressure_relaxation_time",
+   "Time in which the divergence source corrects density errors; 0: from the scene's velocity and h", "s", "[0, inf)",
+   ROW_REAL, offsetof(struct _p_Pressure, relaxation_option)},
+  {"-pressure_wall_suction", "The density source of walls may be negative, as printed: walls may pull", NULL, NULL,
+   ROW_BOOL, offsetof(struct _p_Pressure, wall_suction)},
+  {"-pressure_rebuild_interval",
+   "Steps after which the preconditioner is rebuilt; 0: 10 for twolevel, jacobi and none, 50 for all others", "1",
+   "[0, inf)", ROW_INT, offsetof(struct _p_Pressure, rebuild_interval)},
+  {"-pressure_density_tolerance",
+   "Largest relative density error that the solver may leave in a step; 0: PETSc's own test, -ksp_rtol and the others",
+   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Pressure, density_tolerance)},
+  {"-mat_type", "PETSc type of the pressure matrix: " MATRIX_TYPES, NULL, NULL, ROW_TEXT,
+   offsetof(struct _p_Pressure, mat_type),
+   .fallback = "shell, the sum of pairs without a matrix, if the preconditioner needs no entries, else aij"},
+  {.name = NULL},
+};
 
 /* Refuses types that the assembled matrix cannot have. A type for one or for many ranks, seqaij or mpiaij, becomes the
    type for both, aij. */
@@ -168,14 +137,11 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
 
   PetscFunctionBegin;
   PetscOptionsBegin(cloud->comm, NULL, "Pressure projection", "Pressure");
-  PetscCall(ReadTypes(pressure, PetscOptionsObject));
-  PetscCall(ReadNumbers(pressure, PetscOptionsObject));
-  PetscCall(PetscOptionsString("-mat_type",
-                               "PETSc type of the pressure matrix: " MATRIX_TYPES
-                               "; default: shell, the sum of pairs without a matrix, if the preconditioner needs no "
-                               "entries, else aij",
-                               "MatSetType", pressure->mat_type, pressure->mat_type, sizeof(pressure->mat_type), NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, types, __func__, pressure));
+  PetscCall(OptionsRead(PetscOptionsObject, numbers, __func__, pressure));
   PetscOptionsEnd();
+  PetscCall(PressureSetTypes(pressure, pressure->source_type, pressure->closure_type, pressure->gradient_type,
+                             pressure->summed));
   PetscCall(CheckMatrixType(pressure));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);

@@ -8,7 +8,7 @@
 #include "pressure.h"
 
 #define SURFACE_TABLE 512 /* intervals of the table of density at a free surface */
-#define TYPE_LENGTH   64
+#define TYPE_LENGTH   OPTION_WORD_LENGTH
 #define KEPT_NONE     (-1) /* for Pressure.kept */
 #define KEPT_OPERATOR 2
 
@@ -36,6 +36,20 @@ typedef struct {
 } Columns;
 
 #define LOW_RANKS_MOST 4 /* terms of PressureAddLowRank */
+
+/* Entries of the registries of pressure.c. */
+typedef struct {
+  Choice         choice;
+  SourceFunction apply;
+} SourceChoice;
+typedef struct {
+  Choice          choice;
+  ClosureFunction apply;
+} ClosureChoice;
+typedef struct {
+  Choice           choice;
+  GradientFunction apply;
+} GradientChoice;
 
 struct _p_Pressure {
   Cloud            cloud; /* borrowed */
@@ -98,7 +112,7 @@ struct _p_Pressure {
   } low_rank[LOW_RANKS_MOST];
 
   /* the matrix */
-  char        mat_type[TYPE_LENGTH];
+  char        mat_type[PETSC_MAX_PATH_LEN];
   PetscBool   assembled;   /* the preconditioner needs entries: A is a matrix, not the operator */
   Mat         operator, A; /* the sum of pairs as a MATSHELL; this step's matrix, borrowed from 'operator' or a store */
   Mat         coupled;     /* the operator with the terms of low rank, as a MATSHELL; NULL without */

@@ -6,31 +6,44 @@
 #define AT_ONCE    2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
 #define ALONE      0.125 /* about nine particles in three dimensions */
 
+static const OptionRow interval[] = {
+  {"-resampling_interval", "Steps between two resamplings, sooner if a ring grows too large; 0: never", "1", "[0, inf)",
+   ROW_INT, offsetof(Resampling, interval)},
+  {.name = NULL},
+};
+static const OptionRow most[] = {
+  {"-particles_most",
+   "With -spacing_follow: particles of liquid that the spacing may ask for; more, and it is coarser everywhere; 0: no "
+   "bound",
+   "1", "[0, inf)", ROW_INT, offsetof(Resampling, particles_most)},
+  {.name = NULL},
+};
+static const OptionRow alone[] = {
+  {"-resampling_alone",
+   "A graded particle joins a larger neighbour if liquid of its own size fills less than this part of its support; 0: "
+   "never",
+   "1", "[0, 1)", ROW_REAL, offsetof(Resampling, alone)},
+  {.name = NULL},
+};
+
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
+  const Domain    domain = cloud->domain;
+  const PetscBool any = (PetscBool)(domain->rings || domain->graded), follows = (PetscBool)(domain->follow > 0),
+                  fixed = (PetscBool)(domain->graded && !ByShare(domain));
+
   PetscFunctionBegin;
   *r = (Resampling){.interval = INTERVAL, .alone = ALONE, .least = LEAST, .most = MOST};
-  if (cloud->domain->follow) {
+  if (domain->follow) {
     r->least = LEAST_FOLLOW;
     r->most  = MOST_FOLLOW;
   }
   PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of particles", "Resampling");
-  if (cloud->domain->rings || cloud->domain->graded || HelpWanted())
-    PetscCall(OptionInt("-resampling_interval",
-                        "steps between two resamplings, sooner if a ring grows too large (1); 0: never", "[0, inf)",
-                        &r->interval));
-  else
-    r->interval = 0;
-  if (cloud->domain->follow || HelpWanted())
-    PetscCall(OptionInt("-particles_most",
-                        "with -spacing_follow: particles of liquid that the spacing may ask for; more, and it is "
-                        "coarser everywhere (1); 0: no bound",
-                        "[0, inf)", &r->particles_most));
-  if ((cloud->domain->graded && !ByShare(cloud->domain)) || HelpWanted())
-    PetscCall(OptionReal("-resampling_alone",
-                         "a graded particle joins a larger neighbour if liquid of its own size fills less than this "
-                         "part of its support (1); 0: never",
-                         "[0, 1)", &r->alone));
+  PetscCall(
+    OptionsReadIf(PetscOptionsObject, any, "-dimension axisymmetric or -spacing_coarse", interval, __func__, r));
+  if (!any) r->interval = 0;
+  PetscCall(OptionsReadIf(PetscOptionsObject, follows, "-spacing_follow", most, __func__, r));
+  PetscCall(OptionsReadIf(PetscOptionsObject, fixed, "-spacing_coarse without -spacing_follow", alone, __func__, r));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

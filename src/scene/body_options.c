@@ -1,187 +1,170 @@
 /* The options of a body: shape, material, velocity, type. */
 #include "scene_impl.h"
 
-PetscErrorCode BodyCheckLength(Body body, const char option[], PetscReal length)
-{
-  char full[2 * SCENE_NAME_LENGTH];
-
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(full, sizeof(full), "-%s%s", body->prefix, option + 1));
-  PetscCheckUser(length > 0, body->domain->comm, "%s is missing%s: it must be given (m) and positive", full,
-                 OptionMeant(full));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads the name of a choice from a list; name: the default on entry. */
-static PetscErrorCode ReadChoice(Body body, OptionItems PetscOptionsObject, const char option[], const char help[],
-                                 const char what[], PetscFunctionList list, char name[SCENE_NAME_LENGTH],
-                                 const BodyChoice **choice)
-{
-  BodyChoiceTable table;
-  char            names[NAMES_LENGTH];
-
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsFList(option, help, "SceneSetFromOptions", list, name, name, SCENE_NAME_LENGTH, NULL));
-  PetscCall(PetscFunctionListFind(list, name, &table));
-  PetscCall(ListNames(list, names));
-  PetscCheckUser(table, body->domain->comm, "-%s%s %s is not a %s; there are %s", body->prefix, option + 1, name, what,
-                 names);
-  *choice = table();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The names of the holes; ReadHoles reads their shapes, outside the body's block of options. */
-static PetscErrorCode ReadHoleNames(Body body, OptionItems PetscOptionsObject, char *names[], PetscInt *count)
-{
-  PetscFunctionBegin;
-  *count = BODY_HOLES_MOST;
-  PetscCall(PetscOptionsStringArray("-holes",
-                                    "Names of shapes that are cut out of the body or solid, separated by commas; each "
-                                    "has a shape like a body, and may be a body itself",
-                                    "SceneSetFromOptions", names, count, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadHoles(Body body, const BodyChoices *choices, char *names[], PetscInt count)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < count; k++) {
-    PetscBool same;
-
-    PetscCall(PetscStrcmp(names[k], body->name, &same));
-    PetscCheckUser(names[k][0] && !same, body->domain->comm, "-%sholes: '%s' cannot be a hole of %s", body->prefix,
-                   names[k], body->name);
-    PetscCall(BodyCreate(body->domain, names[k], k, &body->hole[k]));
-    body->holes++;
-    PetscCall(RegionSetFromOptions(body->hole[k], choices));
-    PetscCall(BodyCheckShape(body->hole[k]));
-    PetscCall(BodyCheckInside(body->hole[k]));
-    PetscCall(PetscFree(names[k]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
-{
-  const BodyChoice *choice;
-
-  PetscFunctionBegin;
-  PetscCall(ReadChoice(body, PetscOptionsObject, "-shape", "Shape of the body, cut by the box", "shape", shapes,
-                       body->shape_type, &choice));
-  body->shape = (const ShapeOps *)choice;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static const OptionRow material[] = {
-  {"-density", "Density (kg/m3)", "(0, inf)", ROW_REAL, offsetof(struct _p_Body, material.density)},
-  {"-viscosity",
-   "Dynamic viscosity (Pa s); with -viscosity_model carreau the viscosity at rest, with power_law and herschel_bulkley "
-   "the consistency, Pa s^n",
-   "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity)},
-  {"-tension", "Surface tension (N/m)", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.tension)},
-  {.name = NULL},
-};
-
-static const OptionRow contact[] = {
-  {"-contact_angle",
-   "Contact angle of the free surface on the solid, in the liquid (degrees); 0: the liquid does not wet the solid",
-   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle)},
-  {"-contact_hysteresis",
-   "Advancing minus receding contact angle (degrees), half of it on either side of -contact_angle; between them "
-   "contact lines do not move",
-   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_hysteresis)},
-  {.name = NULL},
-};
-
-static const OptionRow uniform[] = {
-  {"-velocity", "Uniform part of the initial velocity (m/s)", NULL, ROW_DIRECTION, offsetof(struct _p_Body, uniform)},
-  {.name = NULL},
-};
-
 static PetscErrorCode Read(Body body, OptionItems PetscOptionsObject, const OptionRow rows[], void *data)
 {
   return DomainReadOptions(body->domain, PetscOptionsObject, rows, "SceneSetFromOptions", data);
 }
 
-static PetscErrorCode ReadVelocity(Body body, OptionItems PetscOptionsObject, PetscFunctionList velocities)
-{
-  const BodyChoice *choice;
+/* The holes; ReadHoles reads their shapes, outside the body's block of options. */
+typedef struct {
+  PetscInt count;
+  char    *name[BODY_HOLES_MOST];
+} Holes;
 
+static const OptionRow holed[] = {
+  {"-holes",
+   "Names of shapes that are cut out of the body or solid, separated by commas; each has a shape like a body, and may "
+   "be a body itself",
+   NULL, NULL, ROW_NAMES, 0, .most = BODY_HOLES_MOST},
+  {.name = NULL},
+};
+
+static PetscErrorCode ReadHoles(Body body, Holes *holes)
+{
   PetscFunctionBegin;
-  PetscCall(Read(body, PetscOptionsObject, uniform, body));
-  PetscCall(ReadChoice(body, PetscOptionsObject, "-velocity_type", "Initial velocity field, added to the uniform part",
-                       "velocity field", velocities, body->velocity_type, &choice));
-  body->velocity = (const VelocityOps *)choice;
+  for (PetscInt k = 0; k < holes->count; k++) {
+    PetscBool same;
+
+    PetscCall(PetscStrcmp(holes->name[k], body->name, &same));
+    PetscCheckUser(holes->name[k][0] && !same, body->domain->comm, "-%sholes: '%s' cannot be a hole of %s",
+                   body->prefix, holes->name[k], body->name);
+    PetscCall(BodyCreate(body->domain, holes->name[k], k, &body->hole[k]));
+    body->holes++;
+    PetscCall(RegionSetFromOptions(body->hole[k]));
+    PetscCall(BodyCheckShape(body->hole[k]));
+    PetscCall(BodyCheckInside(body->hole[k]));
+    PetscCall(PetscFree(holes->name[k]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadViscosity(Body body, OptionItems PetscOptionsObject, PetscFunctionList viscosities)
+static const OptionRow shaped[] = {
+  {"-shape", "Shape of the body, cut by the box", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Body, shape_type),
+   .choices = Shapes},
+  {.name = NULL},
+};
+
+static const OptionRow material[] = {
+  {"-density", "Density", "kg/m3", "(0, inf)", ROW_REAL, offsetof(struct _p_Body, material.density)},
+  {"-viscosity",
+   "Dynamic viscosity; with -viscosity_model carreau the viscosity at rest, with power_law and herschel_bulkley the "
+   "consistency, Pa s^n",
+   "Pa s", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity)},
+  {"-tension", "Surface tension", "N/m", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.tension)},
+  {.name = NULL},
+};
+
+static const OptionRow contact[] = {
+  {"-contact_angle",
+   "Contact angle of the free surface on the solid, in the liquid; 0: the liquid does not wet the solid", "degrees",
+   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle)},
+  {"-contact_hysteresis",
+   "Advancing minus receding contact angle, half of it on either side of -contact_angle; between them contact lines do "
+   "not move",
+   "degrees", "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_hysteresis)},
+  {.name = NULL},
+};
+
+static const OptionRow fluid[] = {
+  {"-viscosity_model", "How the viscosity depends on the shear rate", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Body, viscosity_type), .choices = Viscosities},
+  {.name = NULL},
+};
+
+static const OptionRow moving[] = {
+  {"-velocity", "Uniform part of the initial velocity", "m/s", NULL, ROW_DIRECTION, offsetof(struct _p_Body, uniform)},
+  {"-velocity_type", "Initial velocity field, added to the uniform part", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Body, velocity_type), .choices = Velocities},
+  {.name = NULL},
+};
+
+static const OptionRow typed[] = {
+  {"-type", "Type of the body", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Body, type), .choices = BodyTypes},
+  {.name = NULL},
+};
+
+/* A ChoiceReader: allocates the data of a choice and reads its options, in the body's block or in one of their own. */
+typedef struct {
+  Body        body;
+  OptionItems items; /* NULL: a block of their own */
+  const char *option;
+  void      **data;
+} ChoiceReading;
+
+static PetscErrorCode ReadOptionsOf(void *object, const Choice *choice)
 {
-  const BodyChoice *choice;
+  const ChoiceReading *r    = (const ChoiceReading *)object;
+  Body                 body = r->body;
+  char                 title[3 * SCENE_NAME_LENGTH];
 
   PetscFunctionBegin;
-  PetscCall(ReadChoice(body, PetscOptionsObject, "-viscosity_model", "How the viscosity depends on the shear rate",
-                       "viscosity model", viscosities, body->viscosity_type, &choice));
-  body->viscosity = (const ViscosityOps *)choice;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadType(Body body, OptionItems PetscOptionsObject, PetscFunctionList types,
-                               const BodyChoice **type)
-{
-  PetscFunctionBegin;
-  PetscCall(ReadChoice(body, PetscOptionsObject, "-type", "Type of the body", "type of body", types, body->type, type));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Allocates the data of a choice and reads its options. */
-static PetscErrorCode ReadOptionsOf(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(*data));
-  if (choice->size) PetscCall(PetscCalloc(choice->size, data));
+  PetscCall(PetscFree(*r->data));
+  if (choice->size) PetscCall(PetscCalloc(choice->size, r->data));
   if (choice->defaults) choice->defaults(body);
-  PetscCall(Read(body, PetscOptionsObject, choice->options, *data));
+  if (r->items) PetscCall(Read(body, r->items, choice->options, *r->data));
+  if (r->items || !choice->options) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Body with %s %s", r->option, choice->name));
+  PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
+  PetscCall(Read(body, PetscOptionsObject, choice->options, *r->data));
+  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAndSetUp(const BodyChoice *choice, Body body, OptionItems PetscOptionsObject, void **data)
+/* Finds the choice that the body has made of the row's, and reads its options; without items, those of all. */
+static PetscErrorCode ReadChosen(Body body, OptionItems items, const OptionRow *row, void **data, const Choice **choice)
 {
+  const char   *name = (const char *)body + row->offset;
+  char          option[OPTION_NAME_LENGTH];
+  ChoiceReading reading = {body, items, option, data};
+
   PetscFunctionBegin;
-  PetscCall(ReadOptionsOf(choice, body, PetscOptionsObject, data));
-  if (choice->setup) PetscCall(choice->setup(body));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s%s", body->prefix, row->name + 1));
+  PetscCall(ChoiceFind(body->domain->comm, row->choices, option, name, choice));
+  PetscCall(ChoicesRead(row->choices, option, body->prefix, *choice, (PetscBool)!items, ReadOptionsOf, &reading));
+  if (items && (*choice)->setup) PetscCall((*choice)->setup(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAndSetUpShape(Body body, OptionItems PetscOptionsObject, PetscFunctionList shapes)
+static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject)
 {
+  const Choice *choice;
+
   PetscFunctionBegin;
-  PetscCall(ReadShape(body, PetscOptionsObject, shapes));
-  PetscCall(ReadAndSetUp(&body->shape->choice, body, PetscOptionsObject, &body->shape_data));
+  PetscCall(Read(body, PetscOptionsObject, shaped, body));
+  PetscCall(ReadChosen(body, PetscOptionsObject, shaped, &body->shape_data, &choice));
+  body->shape = (const ShapeOps *)choice;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices)
+static const OptionRow *const of_solids[] = {MotionOptions, FreeOptions, contact}, *const of_bodies[] = {material,
+                                                                                                         fluid, moving,
+                                                                                                         typed};
+
+PetscErrorCode BodySetFromOptions(Body body)
 {
-  char              title[2 * SCENE_NAME_LENGTH], *holes[BODY_HOLES_MOST];
-  PetscInt          count;
-  const BodyChoice *type;
+  char          title[2 * SCENE_NAME_LENGTH];
+  Holes         holes = {0};
+  const Choice *choice;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Body %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
+  PetscCall(ReadShape(body, PetscOptionsObject));
+  PetscCall(Read(body, PetscOptionsObject, holed, &holes));
   PetscCall(Read(body, PetscOptionsObject, material, body));
-  PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
-  PetscCall(ReadAndSetUp(&body->viscosity->choice, body, PetscOptionsObject, &body->viscosity_data));
-  PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
-  PetscCall(ReadAndSetUp(&body->velocity->choice, body, PetscOptionsObject, &body->velocity_data));
-  PetscCall(
-    ReadType(body, PetscOptionsObject, choices->types, &type)); /* last: an emitter looks at shape and velocity */
-  PetscCall(ReadAndSetUp(type, body, PetscOptionsObject, &body->emitter));
+  PetscCall(Read(body, PetscOptionsObject, fluid, body));
+  PetscCall(ReadChosen(body, PetscOptionsObject, fluid, &body->viscosity_data, &choice));
+  body->viscosity = (const ViscosityOps *)choice;
+  PetscCall(Read(body, PetscOptionsObject, moving, body));
+  PetscCall(ReadChosen(body, PetscOptionsObject, &moving[1], &body->velocity_data, &choice));
+  body->velocity = (const VelocityOps *)choice;
+  PetscCall(Read(body, PetscOptionsObject, typed, body)); /* last: an emitter looks at shape and velocity */
+  PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->emitter, &choice));
   PetscOptionsEnd();
-  PetscCall(ReadHoles(body, choices, holes, count));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_solids); k++)
+    PetscCall(OptionsNote(body->prefix, "a solid", of_solids[k]));
+  PetscCall(ReadHoles(body, &holes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,85 +186,63 @@ static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices)
+PetscErrorCode SolidSetFromOptions(Body body)
 {
-  char     title[2 * SCENE_NAME_LENGTH], *holes[BODY_HOLES_MOST];
-  PetscInt count;
+  char  title[2 * SCENE_NAME_LENGTH];
+  Holes holes = {0};
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Solid %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
+  PetscCall(ReadShape(body, PetscOptionsObject));
+  PetscCall(Read(body, PetscOptionsObject, holed, &holes));
   PetscOptionsEnd();
-  PetscCall(ReadHoles(body, choices, holes, count)); /* the mass of a free body needs them */
+  PetscCall(ReadHoles(body, &holes)); /* the mass of a free body needs them */
   PetscCall(PetscSNPrintf(title, sizeof(title), "Motion and contact of solid %s", body->name)); /* PETSc helps once */
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscCall(MotionSetUp(body));
   PetscCall(ReadContactAngle(body, PetscOptionsObject));
   PetscOptionsEnd();
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_bodies); k++)
+    PetscCall(OptionsNote(body->prefix, "a body of liquid", of_bodies[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices)
+PetscErrorCode RegionSetFromOptions(Body body)
 {
   char title[2 * SCENE_NAME_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(ReadAndSetUpShape(body, PetscOptionsObject, choices->shapes));
+  PetscCall(ReadShape(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes -help list the options of each choice of a list. option: it selects the choice; data: of the choice, in the
-   body. */
-static PetscErrorCode HelpChoices(Body body, PetscFunctionList list, const char option[], void **data)
+PetscErrorCode SceneHelp(MPI_Comm comm)
 {
-  const char    **names;
-  int             count;
-  char            title[3 * SCENE_NAME_LENGTH];
-  BodyChoiceTable table;
-
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListGet(list, &names, &count));
-  for (int k = 0; k < count && names[k]; k++) { /* PETSc counts the end too */
-    PetscCall(PetscFunctionListFind(list, names[k], &table));
-    if (!table()->options) continue;
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Body with -%s%s %s", body->prefix, option, names[k]));
-    PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-    PetscCall(ReadOptionsOf(table(), body, PetscOptionsObject, data));
-    PetscOptionsEnd();
-  }
-  PetscCall(PetscFree(names));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices)
-{
-  Domain            domain;
-  Body              body;
-  const BodyChoice *type;
-  char             *holes[BODY_HOLES_MOST];
-  PetscInt          count;
+  Domain        domain;
+  Body          body;
+  Holes         holes = {0};
+  const Choice *choice;
 
   PetscFunctionBegin;
   PetscCall(DomainCreate(comm, &domain));
   PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no name of a scene's body has these signs */
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
-  PetscCall(ReadShape(body, PetscOptionsObject, choices->shapes));
-  PetscCall(ReadHoleNames(body, PetscOptionsObject, holes, &count));
+  PetscCall(Read(body, PetscOptionsObject, shaped, body));
+  PetscCall(Read(body, PetscOptionsObject, holed, &holes));
   PetscCall(Read(body, PetscOptionsObject, material, body));
-  PetscCall(ReadViscosity(body, PetscOptionsObject, choices->viscosities));
-  PetscCall(ReadVelocity(body, PetscOptionsObject, choices->velocities));
-  PetscCall(ReadType(body, PetscOptionsObject, choices->types, &type));
+  PetscCall(Read(body, PetscOptionsObject, fluid, body));
+  PetscCall(Read(body, PetscOptionsObject, moving, body));
+  PetscCall(Read(body, PetscOptionsObject, typed, body));
   PetscOptionsEnd();
-  PetscCall(HelpChoices(body, choices->shapes, "shape", &body->shape_data));
-  PetscCall(HelpChoices(body, choices->viscosities, "viscosity_model", &body->viscosity_data));
-  PetscCall(HelpChoices(body, choices->velocities, "velocity_type", &body->velocity_data));
-  PetscCall(HelpChoices(body, choices->types, "type", &body->emitter));
+  PetscCall(ReadChosen(body, NULL, shaped, &body->shape_data, &choice));
+  PetscCall(ReadChosen(body, NULL, fluid, &body->viscosity_data, &choice));
+  PetscCall(ReadChosen(body, NULL, &moving[1], &body->velocity_data, &choice));
+  PetscCall(ReadChosen(body, NULL, typed, &body->emitter, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
   PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
   PetscOptionsEnd();

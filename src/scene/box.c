@@ -6,14 +6,15 @@ typedef struct {
 } Box;
 
 static const OptionRow options[] = {
-  {"-lower", "Lower corner of a box (m); default: -box_lower", NULL, ROW_POINT, offsetof(Box, lower)},
-  {"-upper", "Upper corner of a box (m); default: -box_upper", NULL, ROW_POINT, offsetof(Box, upper)},
+  {"-lower", "Lower corner of a box", "m", NULL, ROW_POINT, offsetof(Box, lower), .fallback = "-box_lower"},
+  {"-upper", "Upper corner of a box", "m", NULL, ROW_POINT, offsetof(Box, upper), .fallback = "-box_upper"},
   {.name = NULL},
 };
 
-static void BoxDefaults(Body body)
+static void BoxDefaults(void *owner)
 {
-  Box *box = (Box *)body->shape_data;
+  Body body = (Body)owner;
+  Box *box  = (Box *)body->shape_data;
 
   for (PetscInt d = 0; d < DIM; d++) {
     box->lower[d] = body->domain->lower[d];
@@ -21,8 +22,9 @@ static void BoxDefaults(Body body)
   }
 }
 
-static PetscErrorCode BoxSetUp(Body body)
+static PetscErrorCode BoxSetUp(void *owner)
 {
+  Body       body   = (Body)owner;
   Domain     domain = body->domain;
   const Box *box    = (const Box *)body->shape_data;
 
@@ -59,9 +61,4 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const BodyChoice *ShapeBox(void)
-{
-  static const ShapeOps ops = {{sizeof(Box), options, BoxDefaults, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeBox = {{"box", sizeof(Box), options, BoxDefaults, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};

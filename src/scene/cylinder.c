@@ -11,21 +11,24 @@ typedef struct {
 } Cylinder;
 
 static const OptionRow options[] = {
-  {"-center", "Center of a cylinder (m)", NULL, ROW_POINT, offsetof(Cylinder, center)},
-  {"-radius", "Radius of a cylinder (m), required", "(0, inf)", ROW_REAL, offsetof(Cylinder, radius)},
-  {"-axis", "Axis of a cylinder: x, y, z or a vector", NULL, ROW_NORMAL, offsetof(Cylinder, axis)},
-  {"-height", "Height of a cylinder, half of it on either side of the center (m); 0: infinite", "[0, inf)", ROW_REAL,
+  {"-center", "Center of a cylinder", "m", NULL, ROW_POINT, offsetof(Cylinder, center)},
+  {"-radius", "Radius of a cylinder", "m", "(0, inf)", ROW_REAL, offsetof(Cylinder, radius),
+   .fallback = OPTION_REQUIRED},
+  {"-axis", "Axis of a cylinder: x, y, z or a vector", NULL, NULL, ROW_NORMAL, offsetof(Cylinder, axis)},
+  {"-height", "Height of a cylinder, half of it on either side of the center; 0: infinite", "m", "[0, inf)", ROW_REAL,
    offsetof(Cylinder, height)},
   {.name = NULL},
 };
 
-static void CylinderDefaults(Body body)
+static void CylinderDefaults(void *owner)
 {
+  Body body                                                         = (Body)owner;
   ((Cylinder *)body->shape_data)->axis[body->domain->rings ? 1 : 2] = 1;
 }
 
-static PetscErrorCode CylinderSetUp(Body body)
+static PetscErrorCode CylinderSetUp(void *owner)
 {
+  Body      body     = (Body)owner;
   Cylinder *cylinder = (Cylinder *)body->shape_data;
 
   PetscFunctionBegin;
@@ -70,10 +73,8 @@ static void CylinderBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]
   }
 }
 
-const BodyChoice *ShapeCylinder(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(Cylinder), options, CylinderDefaults, CylinderSetUp}, CylinderDistance, CylinderBounds, NULL, NULL};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeCylinder = {{"cylinder", sizeof(Cylinder), options, CylinderDefaults, CylinderSetUp},
+                                CylinderDistance,
+                                CylinderBounds,
+                                NULL,
+                                NULL};

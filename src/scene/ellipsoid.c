@@ -9,13 +9,15 @@ typedef struct {
 } Ellipsoid;
 
 static const OptionRow options[] = {
-  {"-center", "Center of an ellipsoid (m)", NULL, ROW_POINT, offsetof(Ellipsoid, center)},
-  {"-radii", "Radii of an ellipsoid along x, y, z (m), required", NULL, ROW_POINT, offsetof(Ellipsoid, radii)},
+  {"-center", "Center of an ellipsoid", "m", NULL, ROW_POINT, offsetof(Ellipsoid, center)},
+  {"-radii", "Radii of an ellipsoid along x, y, z", "m", NULL, ROW_POINT, offsetof(Ellipsoid, radii),
+   .fallback = OPTION_REQUIRED},
   {.name = NULL},
 };
 
-static PetscErrorCode EllipsoidSetUp(Body body)
+static PetscErrorCode EllipsoidSetUp(void *owner)
 {
+  Body             body      = (Body)owner;
   Domain           domain    = body->domain;
   const Ellipsoid *ellipsoid = (const Ellipsoid *)body->shape_data;
   PetscBool        given;
@@ -100,10 +102,5 @@ static void EllipsoidBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
   }
 }
 
-const BodyChoice *ShapeEllipsoid(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(Ellipsoid), options, NULL, EllipsoidSetUp}, EllipsoidDistance, EllipsoidBounds, NULL, NULL};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeEllipsoid = {
+  {"ellipsoid", sizeof(Ellipsoid), options, NULL, EllipsoidSetUp}, EllipsoidDistance, EllipsoidBounds, NULL, NULL};

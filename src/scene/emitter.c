@@ -13,13 +13,6 @@ typedef struct {
   PetscReal w;                     /* 2 pi f, rad/s */
 } Emitter;
 
-const BodyChoice *BodyTypeLiquid(void)
-{
-  static const BodyChoice ops = {0, NULL, NULL, NULL};
-
-  return &ops;
-}
-
 /* Length (m) of the body's bounds along its velocity. */
 static PetscReal LengthAlong(Body body, PetscReal speed)
 {
@@ -33,27 +26,29 @@ static PetscReal LengthAlong(Body body, PetscReal speed)
 }
 
 static const OptionRow options[] = {
-  {"-interval", "Time between fillings of an emitter (s); default: that of a jet without gaps", NULL, ROW_REAL,
-   offsetof(Emitter, interval)},
-  {"-start", "Time of an emitter's first filling (s)", "(-inf, inf)", ROW_REAL, offsetof(Emitter, start)},
-  {"-count", "Number of fillings of an emitter (1); 0: no end", "[0, inf)", ROW_INT, offsetof(Emitter, count)},
-  {"-nozzle", "Length downstream of an emitter's shape in which the liquid keeps the emitter's velocity (m)",
+  {"-interval", "Time between fillings of an emitter", "s", NULL, ROW_REAL, offsetof(Emitter, interval),
+   .fallback = "that of a jet without gaps"},
+  {"-start", "Time of an emitter's first filling", "s", "(-inf, inf)", ROW_REAL, offsetof(Emitter, start)},
+  {"-count", "Number of fillings of an emitter; 0: no end", "1", "[0, inf)", ROW_INT, offsetof(Emitter, count)},
+  {"-nozzle", "Length downstream of an emitter's shape in which the liquid keeps the emitter's velocity", "m",
    "[0, inf)", ROW_REAL, offsetof(Emitter, nozzle)},
-  {"-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed (1)", "[0, 1)", ROW_REAL,
+  {"-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed", "1", "[0, 1)", ROW_REAL,
    offsetof(Emitter, modulation)},
-  {"-modulation_frequency", "Frequency of that oscillation (Hz)", "[0, inf)", ROW_REAL, offsetof(Emitter, frequency)},
+  {"-modulation_frequency", "Frequency of that oscillation", "Hz", "[0, inf)", ROW_REAL, offsetof(Emitter, frequency)},
   {.name = NULL},
 };
 
-static void EmitterDefaults(Body body)
+static void EmitterDefaults(void *owner)
 {
+  Body            body  = (Body)owner;
   const PetscReal speed = Norm(body->uniform);
 
   ((Emitter *)body->emitter)->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
 }
 
-static PetscErrorCode EmitterSetUp(Body body)
+static PetscErrorCode EmitterSetUp(void *owner)
 {
+  Body            body  = (Body)owner;
   MPI_Comm        comm  = body->domain->comm;
   const PetscReal speed = Norm(body->uniform);
   Emitter        *e     = (Emitter *)body->emitter;
@@ -74,12 +69,10 @@ static PetscErrorCode EmitterSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const BodyChoice *BodyTypeEmitter(void)
-{
-  static const BodyChoice ops = {sizeof(Emitter), options, EmitterDefaults, EmitterSetUp};
+static const Choice TypeLiquid      = {"liquid", 0, NULL, NULL, NULL};
+const Choice        BodyTypeEmitter = {"emitter", sizeof(Emitter), options, EmitterDefaults, EmitterSetUp};
 
-  return &ops;
-}
+const Choice *const BodyTypes[] = {&TypeLiquid, &BodyTypeEmitter, NULL};
 
 PetscBool BodyEmits(Body body)
 {

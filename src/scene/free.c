@@ -40,14 +40,14 @@ struct _p_Free {
 
 const OptionRow FreeOptions[] = {
   {"-mass",
-   "Mass of a solid that liquid and gravity move freely (kg); in two dimensions kg per metre of depth; 0: the solid "
-   "has the motion of its other options",
-   "[0, inf)", ROW_REAL, offsetof(struct _p_Free, mass)},
+   "Mass of a solid that liquid and gravity move freely; in two dimensions kg per metre of depth; 0: the solid has the "
+   "motion of its other options",
+   "kg", "[0, inf)", ROW_REAL, offsetof(struct _p_Free, mass)},
   {"-inertia",
-   "Moment of inertia of a solid with a mass about its centre (kg m2): one number, or three about x, y and z; in two "
-   "dimensions one number, per metre of depth; default: that of a constant density",
-   NULL, ROW_NUMBERS, offsetof(struct _p_Free, given)},
-  {"-turns", "A solid with a mass may rotate", NULL, ROW_BOOL, offsetof(struct _p_Free, turns)},
+   "Moment of inertia of a solid with a mass about its centre: one number, or three about x, y and z; in two "
+   "dimensions one number, per metre of depth",
+   "kg m2", NULL, ROW_NUMBERS, offsetof(struct _p_Free, given), .fallback = "that of a constant density"},
+  {"-turns", "A solid with a mass may rotate", NULL, NULL, ROW_BOOL, offsetof(struct _p_Free, turns)},
   {.name = NULL},
 };
 

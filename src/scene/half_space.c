@@ -7,14 +7,15 @@ typedef struct {
 } HalfSpace;
 
 static const OptionRow options[] = {
-  {"-point", "Point of the surface of a half-space (m)", NULL, ROW_POINT, offsetof(HalfSpace, point)},
-  {"-normal", "Normal of a half-space, out of the liquid: x, y, z or a vector", NULL, ROW_AXIS,
+  {"-point", "Point of the surface of a half-space", "m", NULL, ROW_POINT, offsetof(HalfSpace, point)},
+  {"-normal", "Normal of a half-space, out of the liquid: x, y, z or a vector", NULL, NULL, ROW_AXIS,
    offsetof(HalfSpace, normal)},
   {.name = NULL},
 };
 
-static void HalfSpaceDefaults(Body body)
+static void HalfSpaceDefaults(void *owner)
 {
+  Body body                                                      = (Body)owner;
   ((HalfSpace *)body->shape_data)->normal[body->domain->dim - 1] = 1;
 }
 
@@ -38,10 +39,5 @@ static void HalfSpaceBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM
   }
 }
 
-const BodyChoice *ShapeHalfSpace(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(HalfSpace), options, HalfSpaceDefaults, NULL}, HalfSpaceDistance, HalfSpaceBounds, NULL, NULL};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeHalfSpace = {
+  {"half_space", sizeof(HalfSpace), options, HalfSpaceDefaults, NULL}, HalfSpaceDistance, HalfSpaceBounds, NULL, NULL};

@@ -26,11 +26,10 @@ static void WriteRows(Json *json, Body body, const OptionRow rows[], const void 
 }
 
 /* A type and its numbers as an object. */
-static void WriteChoice(Json *json, const char key[], Body body, const char type[], const BodyChoice *choice,
-                        const void *data)
+static void WriteChoice(Json *json, const char key[], Body body, const Choice *choice, const void *data)
 {
   JsonObject(json, key);
-  JsonText(json, "type", type);
+  JsonText(json, "type", choice->name);
   JsonObject(json, "numbers");
   WriteRows(json, body, choice->options, data);
   JsonEnd(json);
@@ -45,7 +44,7 @@ static void WriteShape(Json *json, Body body)
 
   BodyBounds(body, lower, upper);
   JsonText(json, "name", body->name);
-  WriteChoice(json, "shape", body, body->shape_type, &body->shape->choice, body->shape_data);
+  WriteChoice(json, "shape", body, &body->shape->choice, body->shape_data);
   JsonReals(json, "lower", dim, lower);
   JsonReals(json, "upper", dim, upper);
 }
@@ -90,12 +89,12 @@ static void WriteBody(Json *json, Scene scene, PetscInt b)
   JsonReal(json, "density", body->material.density);
   JsonReal(json, "tension", body->material.tension);
   JsonReal(json, "viscosity", body->material.viscosity);
-  WriteChoice(json, "viscosity_model", body, body->viscosity_type, &body->viscosity->choice, body->viscosity_data);
+  WriteChoice(json, "viscosity_model", body, &body->viscosity->choice, body->viscosity_data);
   JsonInt(json, "liquid", scene->liquid[b]);
   JsonReals(json, "velocity", scene->domain->dim, body->uniform);
-  WriteChoice(json, "velocity_field", body, body->velocity_type, &body->velocity->choice, body->velocity_data);
+  WriteChoice(json, "velocity_field", body, &body->velocity->choice, body->velocity_data);
   JsonObject(json, "emitter");
-  if (body->emitter) WriteRows(json, body, BodyTypeEmitter()->options, body->emitter);
+  if (body->emitter) WriteRows(json, body, BodyTypeEmitter.options, body->emitter);
   JsonEnd(json);
   WriteNumbers(json, scene, b);
   JsonEnd(json);

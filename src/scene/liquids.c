@@ -45,28 +45,38 @@ static PetscErrorCode CheckTensions(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+typedef struct {
+  PetscInt count;
+  char    *name[SCENE_MAX_BODIES];
+} Names;
+
+static const OptionRow two[] = {
+  {"-interface_tension", "Tension of the interface between two liquids; 0: they mix", "N/m", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Scene, interface_tension)},
+  {.name = NULL},
+};
+static const OptionRow second[] = {
+  {"-interface_bodies", "Names of the bodies of one of the two liquids", NULL, NULL, ROW_NAMES, 0,
+   .fallback = "of two bodies the second", .most = SCENE_MAX_BODIES},
+  {.name = NULL},
+};
+
 PetscErrorCode LiquidsSetFromOptions(Scene scene)
 {
-  char     *name[SCENE_MAX_BODIES];
-  PetscInt  names = SCENE_MAX_BODIES;
-  PetscBool set;
+  Names names = {0};
 
   PetscFunctionBegin;
   PetscOptionsBegin(scene->domain->comm, NULL, "Two liquids that do not mix", "Scene");
-  PetscCall(OptionReal("-interface_tension", "Tension of the interface between two liquids (N/m); 0: they mix",
-                       "[0, inf)", &scene->interface_tension));
-  PetscCall(
-    PetscOptionsStringArray("-interface_bodies",
-                            "Names of the bodies of one of the two liquids; default with two bodies: the second",
-                            "SceneSetFromOptions", name, &names, &set));
+  PetscCall(OptionsRead(PetscOptionsObject, two, "SceneSetFromOptions", scene));
+  PetscCall(OptionsRead(PetscOptionsObject, second, "SceneSetFromOptions", &names));
   PetscOptionsEnd();
   if (scene->interface_tension > 0) {
-    PetscCall(AssignLiquids(scene, set ? names : 0, name));
+    PetscCall(AssignLiquids(scene, names.count, names.name));
     PetscCall(CheckTensions(scene));
   }
-  for (PetscInt k = 0; set && k < names; k++) PetscCall(PetscFree(name[k]));
-  PetscCheckUser(!set || scene->interface_tension > 0, scene->domain->comm,
+  PetscCheckUser(!names.count || scene->interface_tension > 0, scene->domain->comm,
                  "-interface_bodies needs -interface_tension (N/m)");
+  for (PetscInt k = 0; k < names.count; k++) PetscCall(PetscFree(names.name[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

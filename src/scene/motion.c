@@ -131,25 +131,25 @@ static void Back(const struct _p_Motion *m, const PetscReal shift[DIM], const Pe
 }
 
 const OptionRow MotionOptions[] = {
-  {"-velocity", "Velocity of the solid (m/s)", NULL, ROW_DIRECTION, offsetof(struct _p_Motion, velocity)},
-  {"-oscillation_amplitude", "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase)) (m)", NULL,
+  {"-velocity", "Velocity of the solid", "m/s", NULL, ROW_DIRECTION, offsetof(struct _p_Motion, velocity)},
+  {"-oscillation_amplitude", "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase))", "m", NULL,
    ROW_DIRECTION, offsetof(struct _p_Motion, amplitude)},
-  {"-oscillation_frequency", "Frequency f of that oscillation (Hz)", "[0, inf)", ROW_REAL,
+  {"-oscillation_frequency", "Frequency f of that oscillation", "Hz", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Motion, frequency)},
-  {"-oscillation_phase", "Phase of that oscillation (degrees); -90: it starts from rest", "[-360, 360]", ROW_REAL,
+  {"-oscillation_phase", "Phase of that oscillation; -90: it starts from rest", "degrees", "[-360, 360]", ROW_REAL,
    offsetof(struct _p_Motion, phase_degrees)},
-  {"-rotation_rate", "Angular velocity vector of the solid (rad/s); in two dimensions one number is enough", NULL,
+  {"-rotation_rate", "Angular velocity vector of the solid; in two dimensions one number is enough", "rad/s", NULL,
    ROW_NUMBERS, offsetof(struct _p_Motion, rate_given)},
   {"-rotation_center",
-   "Point on the axis of the solid's rotation (m), which moves with the solid; for a solid with a mass the centre of "
-   "mass, by default that of its shape",
-   NULL, ROW_POINT, offsetof(struct _p_Motion, center_given)},
-  {"-rotation_axis", "Direction of the axis of the angles in -motion_file", NULL, ROW_AXIS,
-   offsetof(struct _p_Motion, axis)},
+   "Point on the axis of the solid's rotation, which moves with the solid; for a solid with a mass the centre of mass, "
+   "by default that of its shape",
+   "m", NULL, ROW_POINT, offsetof(struct _p_Motion, center_given)},
+  {"-rotation_axis", "Direction of the axis of the angles in -motion_file", NULL, NULL, ROW_AXIS,
+   offsetof(struct _p_Motion, axis), .fallback = "z"},
   {"-motion_file",
-   "File of lines t,x,y or t,x,y,z: displacements of the solid (m) at increasing times (s), which a smooth curve "
-   "connects; one number more is an angle (degrees) about -rotation_axis through -rotation_center",
-   NULL, ROW_FILE, offsetof(struct _p_Motion, file)},
+   "File of lines t,x,y or t,x,y,z: displacements of the solid at increasing times (s), which a smooth curve connects; "
+   "one number more is an angle (degrees) about -rotation_axis through -rotation_center",
+   NULL, NULL, ROW_FILE, offsetof(struct _p_Motion, file)},
   {.name = NULL},
 };
 

@@ -6,42 +6,9 @@
 #define AXIS_SAMPLES  9    /* points on the axis of rings at which CheckRings computes a body's velocity */
 #define AXIS_ROUNDING 1e-9 /* of a velocity, relative */
 
-static BodyChoices Choices = {NULL, NULL, NULL, NULL};
-
-static PetscErrorCode SceneFinalizePackage(void)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&Choices.shapes));
-  PetscCall(PetscFunctionListDestroy(&Choices.velocities));
-  PetscCall(PetscFunctionListDestroy(&Choices.viscosities));
-  PetscCall(PetscFunctionListDestroy(&Choices.types));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SceneRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (Choices.shapes) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "box", ShapeBox));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "sphere", ShapeSphere));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "cylinder", ShapeCylinder));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "ellipsoid", ShapeEllipsoid));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "half_space", ShapeHalfSpace));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "stl", ShapeStl));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "thread", ShapeThread));
-  PetscCall(PetscFunctionListAdd(&Choices.shapes, "wave", ShapeWave));
-  PetscCall(PetscFunctionListAdd(&Choices.types, "liquid", BodyTypeLiquid));
-  PetscCall(PetscFunctionListAdd(&Choices.types, "emitter", BodyTypeEmitter));
-  PetscCall(VelocityRegisterAll(&Choices.velocities));
-  PetscCall(ViscosityRegisterAll(&Choices.viscosities));
-  PetscCall(PetscRegisterFinalize(SceneFinalizePackage));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode SceneCreate(Domain domain, Scene *scene)
 {
   PetscFunctionBegin;
-  PetscCall(SceneRegisterAll());
   PetscCall(PetscNew(scene));
   (*scene)->domain = domain;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -60,46 +27,52 @@ PetscErrorCode SceneDestroy(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Names of bodies, solids or regions: [count] strings to be freed. */
+/* The names of bodies, solids and regions, to be freed. One more than allowed of each, to detect too many. */
 typedef struct {
-  const char *option;
-  char       *name[SCENE_MAX_BODIES + 1]; /* one more than allowed, to detect too many */
-  PetscInt    count;
+  PetscInt count;
+  char    *name[SCENE_MAX_BODIES + 1];
 } Names;
+typedef struct {
+  Names bodies, solids, fine;
+} SceneWords;
+
+static const OptionRow words[] = {
+  {"-bodies", "Names of the bodies, separated by commas", NULL, NULL, ROW_NAMES, offsetof(SceneWords, bodies),
+   .fallback = OPTION_REQUIRED, .most = SCENE_MAX_BODIES + 1},
+  {"-solids", "Names of the solids, separated by commas", NULL, NULL, ROW_NAMES, offsetof(SceneWords, solids),
+   .most = SCENE_MAX_BODIES + 1},
+  {"-fine",
+   "Names of the regions where the spacing is -spacing, separated by commas; each has a shape like a body; needs "
+   "-spacing_coarse",
+   NULL, NULL, ROW_NAMES, offsetof(SceneWords, fine), .most = SCENE_MAX_BODIES + 1},
+  {.name = NULL},
+};
 
 static const OptionRow options[] = {
-  {"-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part", NULL, ROW_BOOL,
+  {"-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part", NULL, NULL, ROW_BOOL,
    offsetof(struct _p_Scene, overlap)},
-  {"-gravity", "Acceleration of gravity (m/s2)", NULL, ROW_DIRECTION, offsetof(struct _p_Scene, gravity)},
-  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t + phase) of gravity (m/s2): a shaken tank",
+  {"-gravity", "Acceleration of gravity", "m/s2", NULL, ROW_DIRECTION, offsetof(struct _p_Scene, gravity)},
+  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t + phase) of gravity: a shaken tank", "m/s2",
    NULL, ROW_DIRECTION, offsetof(struct _p_Scene, amplitude)},
-  {"-gravity_frequency", "Frequency f of that oscillating part (Hz)", "[0, inf)", ROW_REAL,
+  {"-gravity_frequency", "Frequency f of that oscillating part", "Hz", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Scene, angular_frequency)},
-  {"-gravity_phase", "Phase of that oscillating part (degrees); 90: the tank is at its turning point at the time 0",
+  {"-gravity_phase", "Phase of that oscillating part; 90: the tank is at its turning point at the time 0", "degrees",
    "[-360, 360]", ROW_REAL, offsetof(struct _p_Scene, phase)},
-  {"-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin (1/s)", "[0, inf)", ROW_REAL,
-   offsetof(struct _p_Scene, central_rate)},
-  {"-frame_rotation_rate",
-   "Angular velocity vector of the frame of reference (rad/s); in two dimensions one number is enough", NULL,
-   ROW_NUMBERS, offsetof(struct _p_Scene, frame_given)},
-  {"-frame_rotation_center", "Point on the axis of the frame's rotation (m)", NULL, ROW_POINT,
+  {"-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin", "1/s", "[0, inf)",
+   ROW_REAL, offsetof(struct _p_Scene, central_rate)},
+  {"-frame_rotation_rate", "Angular velocity vector of the frame of reference; in two dimensions one number is enough",
+   "rad/s", NULL, ROW_NUMBERS, offsetof(struct _p_Scene, frame_given)},
+  {"-frame_rotation_center", "Point on the axis of the frame's rotation", "m", NULL, ROW_POINT,
    offsetof(struct _p_Scene, frame_center)},
   {.name = NULL},
 };
 
 /* Reads the body forces and the names. */
-static PetscErrorCode ReadScene(Scene scene, Names *bodies, Names *solids, Names *fine)
+static PetscErrorCode ReadScene(Scene scene, SceneWords *names)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
-  PetscCall(PetscOptionsStringArray("-bodies", "Names of the bodies, separated by commas, required",
-                                    "SceneSetFromOptions", bodies->name, &bodies->count, NULL));
-  PetscCall(PetscOptionsStringArray("-solids", "Names of the solids, separated by commas", "SceneSetFromOptions",
-                                    solids->name, &solids->count, NULL));
-  PetscCall(PetscOptionsStringArray("-fine",
-                                    "Names of the regions where the spacing is -spacing, separated by commas; each "
-                                    "has a shape like a body; needs -spacing_coarse",
-                                    "SceneSetFromOptions", fine->name, &fine->count, NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, words, "SceneSetFromOptions", names));
   PetscCall(DomainReadOptions(scene->domain, PetscOptionsObject, options, "SceneSetFromOptions", scene));
   PetscOptionsEnd();
   PetscCheckUser(scene->angular_frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
@@ -136,15 +109,15 @@ static PetscErrorCode CheckName(Scene scene, const char option[], const char nam
 }
 
 /* Creates a body for each name and frees the names. */
-static PetscErrorCode CreateBodies(Scene scene, Names *names, Body body[], PetscInt *count)
+static PetscErrorCode CreateBodies(Scene scene, const char option[], Names *names, Body body[], PetscInt *count)
 {
   PetscErrorCode bad = PETSC_SUCCESS;
 
   PetscFunctionBegin;
-  PetscCheckUser(names->count <= SCENE_MAX_BODIES, scene->domain->comm, "%s has more than the %d names allowed",
-                 names->option, SCENE_MAX_BODIES);
+  PetscCheckUser(names->count <= SCENE_MAX_BODIES, scene->domain->comm, "%s has more than the %d names allowed", option,
+                 SCENE_MAX_BODIES);
   for (PetscInt b = 0; b < names->count; b++) {
-    if (!bad) bad = CheckName(scene, names->option, names->name[b]);
+    if (!bad) bad = CheckName(scene, option, names->name[b]);
     if (!bad) {
       PetscCall(BodyCreate(scene->domain, names->name[b], b, &body[b]));
       (*count)++;
@@ -220,34 +193,32 @@ static PetscErrorCode CheckSpeed(Body solid)
 
 PetscErrorCode SceneSetFromOptions(Scene scene)
 {
-  Domain    domain  = scene->domain;
-  PetscReal densest = 0;
-  Names     bodies  = {.option = "-bodies", .count = SCENE_MAX_BODIES + 1},
-        solids      = {.option = "-solids", .count = SCENE_MAX_BODIES + 1},
-        fine        = {.option = "-fine", .count = SCENE_MAX_BODIES + 1};
+  Domain     domain  = scene->domain;
+  PetscReal  densest = 0;
+  SceneWords names   = {0};
 
   PetscFunctionBegin;
   PetscCheck(!scene->count, domain->comm, PETSC_ERR_ORDER, "the options of a scene can be read only once");
-  PetscCall(ReadScene(scene, &bodies, &solids, &fine));
-  PetscCheckUser(bodies.count > 0, domain->comm,
+  PetscCall(ReadScene(scene, &names));
+  PetscCheckUser(names.bodies.count > 0, domain->comm,
                  "-bodies is missing%s: the names of one or more bodies of liquid must be given",
                  OptionMeant("-bodies"));
-  PetscCall(CreateBodies(scene, &bodies, scene->body, &scene->count));
-  PetscCall(CreateBodies(scene, &solids, scene->solid, &scene->solids));
-  PetscCall(CreateBodies(scene, &fine, scene->fine, &scene->fine_regions));
+  PetscCall(CreateBodies(scene, "-bodies", &names.bodies, scene->body, &scene->count));
+  PetscCall(CreateBodies(scene, "-solids", &names.solids, scene->solid, &scene->solids));
+  PetscCall(CreateBodies(scene, "-fine", &names.fine, scene->fine, &scene->fine_regions));
   for (PetscInt b = 0; b < scene->count; b++) {
-    PetscCall(BodySetFromOptions(scene->body[b], &Choices));
+    PetscCall(BodySetFromOptions(scene->body[b]));
     PetscCall(BodyCheckInside(scene->body[b]));
     densest = PetscMax(densest, BodyMaterial(scene->body[b])->density);
   }
   for (PetscInt b = 0; b < scene->solids; b++) {
-    PetscCall(SolidSetFromOptions(scene->solid[b], &Choices));
+    PetscCall(SolidSetFromOptions(scene->solid[b]));
     PetscCall(CheckSpeed(scene->solid[b]));
     PetscCall(FreeCheck(scene->solid[b], densest));
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
   for (PetscInt b = 0; b < scene->fine_regions; b++) {
-    PetscCall(RegionSetFromOptions(scene->fine[b], &Choices));
+    PetscCall(RegionSetFromOptions(scene->fine[b]));
     PetscCall(BodyCheckInside(scene->fine[b]));
   }
   PetscCall(LiquidsSetFromOptions(scene));
@@ -255,14 +226,6 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode SceneHelp(MPI_Comm comm)
-{
-  PetscFunctionBegin;
-  PetscCall(SceneRegisterAll());
-  PetscCall(BodyHelp(comm, &Choices));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -75,9 +75,9 @@ PetscErrorCode SceneCreate(Domain domain, Scene *scene);
    are not identifiers or appear twice, non-positive sizes and densities, a negative viscosity or tension, a body wholly
    outside the box, and bodies that overlap at a point of a lattice of the particle spacing. Collective. */
 PetscErrorCode SceneSetFromOptions(Scene scene);
-/* SceneHelp - makes -help list every option of a body, with <body> for its name: one block for the options of all
-   bodies, then one for each shape, viscosity model, initial velocity field and type of body. Needs no scene. Prints
-   nothing without -help. Collective. */
+/* SceneHelp - reads every option of a body, with <body> for its name, for -help and the notes: one block for the
+   options of all bodies, then one for each shape, viscosity model, initial velocity field and type of body. Needs no
+   scene. Collective. */
 PetscErrorCode SceneHelp(MPI_Comm comm);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 /* SceneIdentity - writes the box, the bodies and the solids as lines "-<option> = <value>", with the numbers as they

@@ -4,28 +4,12 @@
 
 #include "scene.h"
 
-#define SCENE_NAME_LENGTH 64
+#define SCENE_NAME_LENGTH OPTION_WORD_LENGTH
 #define BODY_HOLES_MOST   16
-
-/* The head of the tables of shapes, velocity fields, viscosity models and types of bodies. Members may be NULL or 0. */
-typedef struct {
-  size_t           size;       /* bytes of the choice's data in the body, which start as zeros */
-  const OptionRow *options;    /* read into these data; -help does nothing else */
-  void (*defaults)(Body body); /* writes the defaults into the data before, zeros apart */
-  /* Refuses (UserError) options that are missing or contradict each other, and completes the data. */
-  PetscErrorCode (*setup)(Body body);
-} BodyChoice;
-
-/* A PetscFunctionList holds functions, so each choice is registered as a function that returns its table. */
-typedef const BodyChoice *(*BodyChoiceTable)(void);
-
-typedef struct {
-  PetscFunctionList shapes, velocities, viscosities, types;
-} BodyChoices;
 
 /* A shape. */
 typedef struct {
-  BodyChoice choice;
+  Choice choice;
   /* Signed distance of x (m), negative inside. The sign is exact; the absolute value may be less than the distance. */
   PetscReal (*distance)(Body body, const PetscReal x[DIM]);
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* bounds of the shape, m */
@@ -35,13 +19,13 @@ typedef struct {
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */
 typedef struct {
-  BodyChoice choice;
+  Choice choice;
   void (*add)(Body body, const PetscReal x[DIM], PetscReal v[DIM]); /* adds to v (m/s) at x (m); NULL: zero */
 } VelocityOps;
 
 /* A viscosity model. */
 typedef struct {
-  BodyChoice choice;
+  Choice choice;
   PetscReal (*at)(Body body, PetscReal rate); /* mu (Pa s) at a shear rate (1/s); NULL: constant */
 } ViscosityOps;
 
@@ -100,18 +84,12 @@ struct _p_Scene {
   PetscReal     shake[DIM];                         /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
 };
 
-/* The tables of the shapes, one file each, and of the types of bodies; scene.c registers them. A type's options are
-   read last, since a type may use shape and velocity. */
-const BodyChoice *ShapeBox(void);
-const BodyChoice *ShapeSphere(void);
-const BodyChoice *ShapeStl(void);
-const BodyChoice *ShapeCylinder(void);
-const BodyChoice *ShapeEllipsoid(void);
-const BodyChoice *ShapeHalfSpace(void);
-const BodyChoice *ShapeThread(void);
-const BodyChoice *ShapeWave(void);
-const BodyChoice *BodyTypeLiquid(void);
-const BodyChoice *BodyTypeEmitter(void);
+/* The registries: shapes (one file each; shapes.c lists them), velocity fields, viscosity models, types of bodies. The
+   owner of a choice is the body. A type's options are read last, since a type may use shape and velocity. */
+extern const ShapeOps ShapeBox, ShapeSphere, ShapeStl, ShapeCylinder, ShapeEllipsoid, ShapeHalfSpace, ShapeThread,
+  ShapeWave;
+extern const Choice        BodyTypeEmitter;
+extern const Choice *const Shapes[], *const Velocities[], *const Viscosities[], *const BodyTypes[];
 
 /* Moments of SceneMoments. MotionMoments, EmitterMoments - add those of a solid's motion and of an emitter. MomentAdd -
    adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the eighths of the first period of an
@@ -149,18 +127,13 @@ PetscErrorCode LiquidsSetFromOptions(Scene scene);
 PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
 /* LiquidsView - prints the interface. Warns if a liquid or gas spreads between the other two. Collective. */
 PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer);
-/* VelocityRegisterAll - registers the velocity fields of velocity.c. Not collective. */
-PetscErrorCode VelocityRegisterAll(PetscFunctionList *list);
-/* ViscosityRegisterAll - registers the viscosity models of viscosity.c. Not collective. */
-PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list);
-
 /* BodyCreate - creates a body of water at rest that fills the box. BodySetFromOptions - reads the options -<b>_* and
    refuses (UserError) wrong values. BodyHelp - makes -help list the options, see SceneHelp. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
-PetscErrorCode BodySetFromOptions(Body body, const BodyChoices *choices);
-PetscErrorCode BodyHelp(MPI_Comm comm, const BodyChoices *choices);
+PetscErrorCode BodySetFromOptions(Body body);
+PetscErrorCode BodyHelp(MPI_Comm comm);
 /* SolidSetFromOptions - reads shape, motion and contact angle of a solid. Collective. */
-PetscErrorCode SolidSetFromOptions(Body body, const BodyChoices *choices);
+PetscErrorCode SolidSetFromOptions(Body body);
 /* MotionSetFromOptions - creates the motion of a solid from its options, which are those of two tables. MotionSetUp -
    refuses (UserError) options that contradict each other, and destroys the motion of a fixed solid. MotionView - prints
    the motion. Collective. MotionSetTime - sets the time (s). MotionBack - finds the position y (m) at the time 0 of the
@@ -212,7 +185,7 @@ PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upp
 void      MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 /* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole. Collective. ShapeDistance - signed
    distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */
-PetscErrorCode RegionSetFromOptions(Body body, const BodyChoices *choices);
+PetscErrorCode RegionSetFromOptions(Body body);
 PetscReal      ShapeDistance(Body body, const PetscReal x[DIM]);
 PetscErrorCode BodyView(Body body, PetscViewer viewer);
 PetscErrorCode BodyDestroy(Body *body);

@@ -17,22 +17,24 @@ typedef struct {
 } Sphere;
 
 static const OptionRow options[] = {
-  {"-center", "Center of a sphere (m)", NULL, ROW_POINT, offsetof(Sphere, center)},
-  {"-radius", "Radius of a sphere (m), required", "(0, inf)", ROW_REAL, offsetof(Sphere, radius)},
-  {"-wave_amplitude", "Amplitude of a wave on a sphere, outwards at the upper pole (m); it conserves the volume", NULL,
+  {"-center", "Center of a sphere", "m", NULL, ROW_POINT, offsetof(Sphere, center)},
+  {"-radius", "Radius of a sphere", "m", "(0, inf)", ROW_REAL, offsetof(Sphere, radius), .fallback = OPTION_REQUIRED},
+  {"-wave_amplitude", "Amplitude of a wave on a sphere, outwards at the upper pole; it conserves the volume", "m", NULL,
    ROW_REAL, offsetof(Sphere, amplitude)},
-  {"-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid (1)", "[2, 6]", ROW_INT,
-   offsetof(Sphere, mode)},
+  {"-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid", "1", "[2, 6]",
+   ROW_INT, offsetof(Sphere, mode)},
   {.name = NULL},
 };
 
-static void SphereDefaults(Body body)
+static void SphereDefaults(void *owner)
 {
+  Body body                          = (Body)owner;
   ((Sphere *)body->shape_data)->mode = MODE_LEAST;
 }
 
-static PetscErrorCode SphereSetUp(Body body)
+static PetscErrorCode SphereSetUp(void *owner)
 {
+  Body         body   = (Body)owner;
   const Domain domain = body->domain;
   Sphere      *sphere = (Sphere *)body->shape_data;
 
@@ -129,10 +131,8 @@ static PetscReal SphereWave(Body body)
   return sphere->amplitude != 0 ? 2 * PETSC_PI * sphere->radius / (PetscReal)sphere->mode : 0;
 }
 
-const BodyChoice *ShapeSphere(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(Sphere), options, SphereDefaults, SphereSetUp}, SphereDistance, SphereBounds, SphereDisplace, SphereWave};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeSphere = {{"sphere", sizeof(Sphere), options, SphereDefaults, SphereSetUp},
+                              SphereDistance,
+                              SphereBounds,
+                              SphereDisplace,
+                              SphereWave};

@@ -76,19 +76,22 @@ static PetscErrorCode Tabulate(Body body, PetscInt n, const PetscReal corner[], 
 }
 
 static const OptionRow options[] = {
-  {"-file", "STL file with a closed surface, binary or text, required", NULL, ROW_FILE, offsetof(Stl, file)},
-  {"-scale", "Length unit of an STL file (m)", "(0, inf)", ROW_REAL, offsetof(Stl, scale)},
-  {"-offset", "Position of the origin of an STL file (m)", NULL, ROW_POINT, offsetof(Stl, offset)},
+  {"-file", "STL file with a closed surface, binary or text", NULL, NULL, ROW_FILE, offsetof(Stl, file),
+   .fallback = OPTION_REQUIRED},
+  {"-scale", "Length unit of an STL file", "m", "(0, inf)", ROW_REAL, offsetof(Stl, scale)},
+  {"-offset", "Position of the origin of an STL file", "m", NULL, ROW_POINT, offsetof(Stl, offset)},
   {.name = NULL},
 };
 
-static void StlDefaults(Body body)
+static void StlDefaults(void *owner)
 {
+  Body body                        = (Body)owner;
   ((Stl *)body->shape_data)->scale = 1;
 }
 
-static PetscErrorCode StlSetUp(Body body)
+static PetscErrorCode StlSetUp(void *owner)
 {
+  Body            body   = (Body)owner;
   const Domain    domain = body->domain;
   Stl            *stl    = (Stl *)body->shape_data;
   const char     *path   = stl->file.path;
@@ -163,9 +166,4 @@ static void StlBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const BodyChoice *ShapeStl(void)
-{
-  static const ShapeOps ops = {{sizeof(Stl), options, StlDefaults, StlSetUp}, StlDistance, StlBounds, NULL, NULL};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeStl = {{"stl", sizeof(Stl), options, StlDefaults, StlSetUp}, StlDistance, StlBounds, NULL, NULL};

@@ -23,22 +23,24 @@ static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
 }
 
 static const OptionRow options[] = {
-  {"-center", "Point on the axis at a crest of the thread's waves (m)", NULL, ROW_POINT, offsetof(Thread, center)},
-  {"-radius", "Radius of a thread (m), required", "(0, inf)", ROW_REAL, offsetof(Thread, radius)},
-  {"-axis", "Axis of a thread: x, y, z or a vector", NULL, ROW_AXIS, offsetof(Thread, axis)},
-  {"-wave_amplitude", "Amplitude of the waves on a thread's radius (m)", NULL, ROW_REAL, offsetof(Thread, amplitude)},
-  {"-wave_length", "Length of the waves along a thread (m), required", "(0, inf)", ROW_REAL,
-   offsetof(Thread, wave_length)},
+  {"-center", "Point on the axis at a crest of the thread's waves", "m", NULL, ROW_POINT, offsetof(Thread, center)},
+  {"-radius", "Radius of a thread", "m", "(0, inf)", ROW_REAL, offsetof(Thread, radius), .fallback = OPTION_REQUIRED},
+  {"-axis", "Axis of a thread: x, y, z or a vector", NULL, NULL, ROW_AXIS, offsetof(Thread, axis)},
+  {"-wave_amplitude", "Amplitude of the waves on a thread's radius", "m", NULL, ROW_REAL, offsetof(Thread, amplitude)},
+  {"-wave_length", "Length of the waves along a thread", "m", "(0, inf)", ROW_REAL, offsetof(Thread, wave_length),
+   .fallback = OPTION_REQUIRED},
   {.name = NULL},
 };
 
-static void ThreadDefaults(Body body)
+static void ThreadDefaults(void *owner)
 {
+  Body body                                                       = (Body)owner;
   ((Thread *)body->shape_data)->axis[body->domain->rings ? 1 : 2] = 1;
 }
 
-static PetscErrorCode ThreadSetUp(Body body)
+static PetscErrorCode ThreadSetUp(void *owner)
 {
+  Body      body   = (Body)owner;
   Domain    domain = body->domain;
   Thread   *thread = (Thread *)body->shape_data;
   PetscReal I0, I1;
@@ -129,10 +131,8 @@ static PetscReal ThreadWave(Body body)
   return ((const Thread *)body->shape_data)->wave_length;
 }
 
-const BodyChoice *ShapeThread(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(Thread), options, ThreadDefaults, ThreadSetUp}, ThreadDistance, ThreadBounds, ThreadDisplace, ThreadWave};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeThread = {{"thread", sizeof(Thread), options, ThreadDefaults, ThreadSetUp},
+                              ThreadDistance,
+                              ThreadBounds,
+                              ThreadDisplace,
+                              ThreadWave};

@@ -31,14 +31,15 @@ static PetscErrorCode CheckGiven(Body body, const char option[], PetscInt count)
 /* Rigid rotation v = omega x (x - center). The square patch of Colagrossi (2005), v = omega (y, -x), has the rate
    0,0,-omega. */
 static const OptionRow rotation[] = {
-  {"-rotation_rate", "Angular velocity (rad/s); in two dimensions one number is enough", NULL, ROW_NUMBERS,
+  {"-rotation_rate", "Angular velocity; in two dimensions one number is enough", "rad/s", NULL, ROW_NUMBERS,
    offsetof(Linear, rate)},
-  {"-rotation_center", "Point on the axis of rotation (m)", NULL, ROW_POINT, offsetof(Linear, center)},
+  {"-rotation_center", "Point on the axis of rotation", "m", NULL, ROW_POINT, offsetof(Linear, center)},
   {.name = NULL},
 };
 
-static PetscErrorCode RotationSetUp(Body body)
+static PetscErrorCode RotationSetUp(void *owner)
 {
+  Body      body   = (Body)owner;
   Linear   *linear = (Linear *)body->velocity_data;
   PetscReal rate[DIM];
 
@@ -57,14 +58,15 @@ static PetscErrorCode RotationSetUp(Body body)
 /* v = G (x - center), G diagonal or full, with zero trace. The stretching drop of Monaghan (1994), v = (-A x, A y), has
    the rates -A,A. */
 static const OptionRow strain[] = {
-  {"-strain_rate", "Velocity gradient dv_i/dx_j (1/s): its diagonal, or all numbers row by row", NULL, ROW_NUMBERS,
+  {"-strain_rate", "Velocity gradient dv_i/dx_j: its diagonal, or all numbers row by row", "1/s", NULL, ROW_NUMBERS,
    offsetof(Linear, rate)},
-  {"-strain_center", "Point at rest in the strain (m)", NULL, ROW_POINT, offsetof(Linear, center)},
+  {"-strain_center", "Point at rest in the strain", "m", NULL, ROW_POINT, offsetof(Linear, center)},
   {.name = NULL},
 };
 
-static PetscErrorCode StrainSetUp(Body body)
+static PetscErrorCode StrainSetUp(void *owner)
 {
+  Body           body   = (Body)owner;
   Linear        *linear = (Linear *)body->velocity_data;
   const PetscInt dim = body->domain->dim, count = linear->rate.count;
   PetscReal      trace = 0, largest = 0;
@@ -98,20 +100,22 @@ typedef struct {
 } TaylorGreen;
 
 static const OptionRow taylor_green[] = {
-  {"-taylor_green_amplitude", "Largest velocity of the Taylor-Green vortices (m/s)", NULL, ROW_NUMBERS,
+  {"-taylor_green_amplitude", "Largest velocity of the Taylor-Green vortices", "m/s", NULL, ROW_NUMBERS,
    offsetof(TaylorGreen, amplitude)},
-  {"-taylor_green_wavelength", "Wavelength of the Taylor-Green vortices (m); default: the width of the box", "(0, inf)",
-   ROW_REAL, offsetof(TaylorGreen, wavelength)},
+  {"-taylor_green_wavelength", "Wavelength of the Taylor-Green vortices", "m", "(0, inf)", ROW_REAL,
+   offsetof(TaylorGreen, wavelength), .fallback = "the width of the box"},
   {.name = NULL},
 };
 
-static void TaylorGreenDefaults(Body body)
+static void TaylorGreenDefaults(void *owner)
 {
+  Body body                                        = (Body)owner;
   ((TaylorGreen *)body->velocity_data)->wavelength = body->domain->upper[0] - body->domain->lower[0];
 }
 
-static PetscErrorCode TaylorGreenSetUp(Body body)
+static PetscErrorCode TaylorGreenSetUp(void *owner)
 {
+  Body               body   = (Body)owner;
   const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;
 
   PetscFunctionBegin;
@@ -132,24 +136,11 @@ static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   v[1] += vortex->amplitude.value[0] * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
 }
 
-#define VELOCITY_TABLE(name, size, options, defaults, setup, add)                                                      \
-  static const BodyChoice *Velocity##name(void)                                                                        \
-  {                                                                                                                    \
-    static const VelocityOps ops = {{size, options, defaults, setup}, add};                                            \
-                                                                                                                       \
-    return &ops.choice;                                                                                                \
-  }
-VELOCITY_TABLE(Uniform, 0, NULL, NULL, NULL, NULL)
-VELOCITY_TABLE(Rotation, sizeof(Linear), rotation, NULL, RotationSetUp, LinearAdd)
-VELOCITY_TABLE(Strain, sizeof(Linear), strain, NULL, StrainSetUp, LinearAdd)
-VELOCITY_TABLE(TaylorGreen, sizeof(TaylorGreen), taylor_green, TaylorGreenDefaults, TaylorGreenSetUp, TaylorGreenAdd)
+static const VelocityOps Uniform      = {{"uniform", 0, NULL, NULL, NULL}, NULL};
+static const VelocityOps Rotation     = {{"rotation", sizeof(Linear), rotation, NULL, RotationSetUp}, LinearAdd};
+static const VelocityOps Strain       = {{"strain", sizeof(Linear), strain, NULL, StrainSetUp}, LinearAdd};
+static const VelocityOps TaylorGreens = {{"taylor_green", sizeof(TaylorGreen), taylor_green, TaylorGreenDefaults,
+                                          TaylorGreenSetUp},
+                                         TaylorGreenAdd};
 
-PetscErrorCode VelocityRegisterAll(PetscFunctionList *list)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListAdd(list, "uniform", VelocityUniform));
-  PetscCall(PetscFunctionListAdd(list, "rotation", VelocityRotation));
-  PetscCall(PetscFunctionListAdd(list, "strain", VelocityStrain));
-  PetscCall(PetscFunctionListAdd(list, "taylor_green", VelocityTaylorGreen));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const Choice *const Velocities[] = {&Uniform.choice, &Rotation.choice, &Strain.choice, &TaylorGreens.choice, NULL};

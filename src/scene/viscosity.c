@@ -22,29 +22,28 @@ typedef struct {
 #define EXPONENT                                                                                                       \
   {                                                                                                                    \
     "-viscosity_exponent",                                                                                             \
-      "Exponent n of the shear rate in the stress (1): below 1 shear thinning, above 1 shear thickening; required "    \
-      "except for herschel_bulkley",                                                                                   \
-      "(0, 2]", ROW_REAL, offsetof(Law, exponent)                                                                      \
+      "Exponent n of the shear rate in the stress: below 1 shear thinning, above 1 shear thickening", "1", "(0, 2]",   \
+      ROW_REAL, offsetof(Law, exponent), .fallback = "1 for herschel_bulkley, else required"                           \
   }
 #define MAX                                                                                                            \
   {                                                                                                                    \
-    "-viscosity_max", "Largest viscosity (Pa s); default: 1000 times the viscosity at a shear rate of 1/s",            \
-      "(0, inf)", ROW_REAL, offsetof(Law, max)                                                                         \
+    "-viscosity_max", "Largest viscosity", "Pa s", "(0, inf)", ROW_REAL, offsetof(Law, max),                           \
+      .fallback = "1000 times the viscosity at a shear rate of 1/s"                                                    \
   }
 
 static const OptionRow power_law[] = {EXPONENT, MAX, {.name = NULL}};
 
 static const OptionRow carreau[] = {
   EXPONENT,
-  {"-viscosity_time", "Time constant t (s): the viscosity changes at shear rates above 1/t; required", "(0, inf)",
-   ROW_REAL, offsetof(Law, time)},
-  {"-viscosity_infinite", "Viscosity at infinite shear rate (Pa s)", "[0, inf)", ROW_REAL, offsetof(Law, infinite)},
+  {"-viscosity_time", "Time constant t: the viscosity changes at shear rates above 1/t", "s", "(0, inf)", ROW_REAL,
+   offsetof(Law, time), .fallback = OPTION_REQUIRED},
+  {"-viscosity_infinite", "Viscosity at infinite shear rate", "Pa s", "[0, inf)", ROW_REAL, offsetof(Law, infinite)},
   {.name = NULL},
 };
 
 static const OptionRow herschel_bulkley[] = {
-  {"-yield_stress", "Yield stress (Pa), below which the liquid only creeps; required", "(0, inf)", ROW_REAL,
-   offsetof(Law, yield_stress)},
+  {"-yield_stress", "Yield stress, below which the liquid only creeps", "Pa", "(0, inf)", ROW_REAL,
+   offsetof(Law, yield_stress), .fallback = OPTION_REQUIRED},
   EXPONENT,
   MAX,
   {.name = NULL},
@@ -62,9 +61,10 @@ static PetscErrorCode CheckGiven(Body body, const char option[], const char unit
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PowerLawSetUp(Body body)
+static PetscErrorCode PowerLawSetUp(void *owner)
 {
-  Law *law = (Law *)body->viscosity_data;
+  Body body = (Body)owner;
+  Law *law  = (Law *)body->viscosity_data;
 
   PetscFunctionBegin;
   PetscCall(CheckGiven(body, "-viscosity_exponent", "", law->exponent));
@@ -88,9 +88,10 @@ static PetscReal PowerLawAt(Body body, PetscReal rate)
   return K * Power(rate, law->exponent, law->max / K);
 }
 
-static PetscErrorCode CarreauSetUp(Body body)
+static PetscErrorCode CarreauSetUp(void *owner)
 {
-  const Law *law = (const Law *)body->viscosity_data;
+  Body       body = (Body)owner;
+  const Law *law  = (const Law *)body->viscosity_data;
 
   PetscFunctionBegin;
   PetscCall(CheckGiven(body, "-viscosity_exponent", "", law->exponent));
@@ -109,14 +110,16 @@ static PetscReal CarreauAt(Body body, PetscReal rate)
                            PetscPowReal(1 + PetscSqr(law->time * rate), 0.5 * (law->exponent - 1));
 }
 
-static void HerschelBulkleyDefaults(Body body)
+static void HerschelBulkleyDefaults(void *owner)
 {
+  Body body                               = (Body)owner;
   ((Law *)body->viscosity_data)->exponent = 1;
 }
 
-static PetscErrorCode HerschelBulkleySetUp(Body body)
+static PetscErrorCode HerschelBulkleySetUp(void *owner)
 {
-  Law *law = (Law *)body->viscosity_data;
+  Body body = (Body)owner;
+  Law *law  = (Law *)body->viscosity_data;
 
   PetscFunctionBegin;
   PetscCall(CheckGiven(body, "-yield_stress", "Pa", law->yield_stress));
@@ -137,28 +140,15 @@ static PetscReal HerschelBulkleyAt(Body body, PetscReal rate)
   return PetscMin(rigid + K * Power(rate, law->exponent, law->max / K), law->max);
 }
 
-#define VISCOSITY_TABLE(name, size, options, defaults, setup, at)                                                      \
-  static const BodyChoice *Viscosity##name(void)                                                                       \
-  {                                                                                                                    \
-    static const ViscosityOps ops = {{size, options, defaults, setup}, at};                                            \
-                                                                                                                       \
-    return &ops.choice;                                                                                                \
-  }
-VISCOSITY_TABLE(Newtonian, 0, NULL, NULL, NULL, NULL)
-VISCOSITY_TABLE(PowerLaw, sizeof(Law), power_law, NULL, PowerLawSetUp, PowerLawAt)
-VISCOSITY_TABLE(Carreau, sizeof(Law), carreau, NULL, CarreauSetUp, CarreauAt)
-VISCOSITY_TABLE(HerschelBulkley, sizeof(Law), herschel_bulkley, HerschelBulkleyDefaults, HerschelBulkleySetUp,
-                HerschelBulkleyAt)
+static const ViscosityOps Newtonian       = {{"newtonian", 0, NULL, NULL, NULL}, NULL};
+static const ViscosityOps PowerLaw        = {{"power_law", sizeof(Law), power_law, NULL, PowerLawSetUp}, PowerLawAt};
+static const ViscosityOps Carreau         = {{"carreau", sizeof(Law), carreau, NULL, CarreauSetUp}, CarreauAt};
+static const ViscosityOps HerschelBulkley = {{"herschel_bulkley", sizeof(Law), herschel_bulkley,
+                                              HerschelBulkleyDefaults, HerschelBulkleySetUp},
+                                             HerschelBulkleyAt};
 
-PetscErrorCode ViscosityRegisterAll(PetscFunctionList *list)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListAdd(list, "newtonian", ViscosityNewtonian));
-  PetscCall(PetscFunctionListAdd(list, "power_law", ViscosityPowerLaw));
-  PetscCall(PetscFunctionListAdd(list, "carreau", ViscosityCarreau));
-  PetscCall(PetscFunctionListAdd(list, "herschel_bulkley", ViscosityHerschelBulkley));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const Choice *const Viscosities[] = {&Newtonian.choice, &PowerLaw.choice, &Carreau.choice, &HerschelBulkley.choice,
+                                     NULL};
 
 PetscBool BodyViscosityVaries(Body body)
 {

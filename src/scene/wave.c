@@ -21,18 +21,19 @@ typedef struct {
 } Wave;
 
 static const OptionRow options[] = {
-  {"-lower", "Lower corner of a wave's box (m); default: -box_lower", NULL, ROW_POINT, offsetof(Wave, lower)},
-  {"-upper", "Upper corner of a wave's box (m), whose last number is the mean level; default: -box_upper", NULL,
-   ROW_POINT, offsetof(Wave, upper)},
-  {"-wave_amplitude", "Amplitude of the wave, if positive with a crest at the lower x (m), required", NULL, ROW_REAL,
-   offsetof(Wave, amplitude)},
-  {"-wave_length", "Length of the wave along x (m); default: the width of its box", "(0, inf)", ROW_REAL,
-   offsetof(Wave, length)},
+  {"-lower", "Lower corner of a wave's box", "m", NULL, ROW_POINT, offsetof(Wave, lower), .fallback = "-box_lower"},
+  {"-upper", "Upper corner of a wave's box, whose last number is the mean level", "m", NULL, ROW_POINT,
+   offsetof(Wave, upper), .fallback = "-box_upper"},
+  {"-wave_amplitude", "Amplitude of the wave, if positive with a crest at the lower x", "m", NULL, ROW_REAL,
+   offsetof(Wave, amplitude), .fallback = OPTION_REQUIRED},
+  {"-wave_length", "Length of the wave along x", "m", "(0, inf)", ROW_REAL, offsetof(Wave, length),
+   .fallback = "the width of its box"},
   {.name = NULL},
 };
 
-static void WaveDefaults(Body body)
+static void WaveDefaults(void *owner)
 {
+  Body  body = (Body)owner;
   Wave *wave = (Wave *)body->shape_data;
 
   for (PetscInt d = 0; d < DIM; d++) {
@@ -41,8 +42,9 @@ static void WaveDefaults(Body body)
   }
 }
 
-static PetscErrorCode WaveSetUp(Body body)
+static PetscErrorCode WaveSetUp(void *owner)
 {
+  Body           body   = (Body)owner;
   Domain         domain = body->domain;
   const PetscInt up     = domain->dim - 1;
   Wave          *wave   = (Wave *)body->shape_data;
@@ -206,10 +208,5 @@ static PetscReal WaveLength(Body body)
   return 2 * PETSC_PI / wave->k;
 }
 
-const BodyChoice *ShapeWave(void)
-{
-  static const ShapeOps ops = {
-    {sizeof(Wave), options, WaveDefaults, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace, WaveLength};
-
-  return &ops.choice;
-}
+const ShapeOps ShapeWave = {
+  {"wave", sizeof(Wave), options, WaveDefaults, WaveSetUp}, WaveDistance, WaveBounds, WaveDisplace, WaveLength};

@@ -1,83 +1,31 @@
-/* -dump_options: all options of a scene as a commented options file. The file is made from the text of -help: PETSc
-   prints this text through a function pointer, and the function here keeps it. */
+/* -dump_options: all options of a scene as a commented options file, from the notes of what was read. */
 #include "sim_impl.h"
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static FILE  *keeper = NULL; /* a stream that appends the help to the text */
-static char  *text   = NULL;
-static size_t text_length;
-static PetscErrorCode (*printer)(FILE *, const char[], va_list); /* PETSc's own, to be put back */
+/* Options that say what to do with the scene, not what it is. */
+static const char *const deeds[] = {DUMP_OPTION, LIST_OPTION, SCENE_OPTION, "-dry_run", "-scene_model"};
 
-static PetscErrorCode KeepHelp(FILE *stream, const char format[], va_list arguments)
+static PetscBool IsDeed(const char name[])
 {
-  PetscFunctionBegin;
-  (void)vfprintf(keeper, format, arguments);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(deeds); k++)
+    if (!strcmp(name, deeds[k])) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
-PetscErrorCode HelpCatch(void)
+/* An option as two lines: what it means, and its value, behind a # if it is the default. The default of a list of
+   numbers is left out: how many are allowed depends on the dimension. */
+static PetscErrorCode WriteOption(FILE *file, const OptionNote *note)
 {
-  PetscFunctionBegin;
-  keeper = open_memstream(&text, &text_length);
-  PetscCheck(keeper, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the help texts");
-  printer       = PetscVFPrintf;
-  PetscVFPrintf = KeepHelp;
-  PetscCall(PetscOptionsHelpPrintedDestroy(&PetscOptionsHelpPrintedSingleton)); /* options read again are shown again */
-  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode HelpCaught(char **caught)
-{
-  PetscFunctionBegin;
-  PetscVFPrintf = printer;
-  PetscCall(PetscOptionsClearValue(NULL, "-help"));
-  (void)fclose(keeper);
-  *caught = text;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode DumpStart(Sim sim)
-{
-  PetscBool set;
+  const PetscBool shown = (PetscBool)(note->given || note->row.kind < ROW_NUMBERS);
+  const char     *value = shown ? note->value : "", *quote = strchr(value, ' ') ? "\"" : "";
+  char            help[NAMES_LENGTH];
 
   PetscFunctionBegin;
-  PetscOptionsBegin(sim->comm, NULL, "Help", "Sim");
-  PetscCall(PetscOptionsString(DUMP_OPTION, "write a commented options file of the scene with all options, and stop",
-                               "SimSetFromOptions", sim->dump, sim->dump, sizeof(sim->dump), &set));
-  PetscOptionsEnd();
-  PetscCheckUser(!set || sim->dump[0], sim->comm, DUMP_OPTION " needs the name of the file to write");
-  if (!set) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(HelpCatch());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Writes one line of help, " -name <now value : formerly default>: meaning (source)" and similar forms, as two lines of
-   the file. Leaves out the list of numbers of an option that is not set, since PETSc shows the first number only. */
-static PetscErrorCode WriteOption(FILE *file, char *line)
-{
-  char      name[PETSC_MAX_PATH_LEN], shown[PETSC_MAX_PATH_LEN] = "", given[PETSC_MAX_PATH_LEN], *meaning, *end;
-  char     *value = shown;
-  PetscBool set;
-
-  PetscFunctionBegin;
-  if (sscanf(line, " %255[^ :]%*[ :]<%255[^>]", name, shown) < 1 || !(meaning = strchr(line, '>')))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  if (!strcmp(name, DUMP_OPTION) || !strcmp(name, "-dry_run")) PetscFunctionReturn(PETSC_SUCCESS);
-  meaning += 1 + strspn(meaning + 1, ": ");
-  if ((end = strrchr(meaning, '(')) && end > meaning) end[-1] = 0; /* the source */
-  if ((end = strstr(shown, " : ")))
-    *end = 0;
-  else
-    shown[0] = 0;
-  if (!strncmp(value, "now ", 4)) value += 4;
-  PetscCall(PetscOptionsGetString(NULL, NULL, name, given, sizeof(given), &set));
-  if (set) value = given;
-  fprintf(file, "# %s\n%s%s", meaning, set ? "" : "# ", name);
-  fprintf(file, strchr(value, ' ') ? " \"%s\"\n" : value[0] ? " %s\n" : "%s\n", value);
+  PetscCall(OptionHelp(&note->row, help));
+  fprintf(file, "# %s\n%s%s%s%s%s%s\n", help, note->given ? "" : "# ", note->name, value[0] ? " " : "", quote, value,
+          quote);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,42 +45,62 @@ static PetscErrorCode WriteOthers(FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFile(const char path[], char *help, int *error)
+static PetscErrorCode WriteDump(FILE *file)
 {
-  FILE *file = fopen(path, "w");
-  char *rest = NULL;
+  PetscInt          n;
+  const OptionNote *note  = OptionsNoted(&n);
+  const char       *title = "";
 
   PetscFunctionBegin;
-  *error = file ? 0 : errno;
-  if (!file) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(file, "# All options of this scene; options behind a # have their default.\n");
-  for (char *line = strtok_r(help, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
-    const size_t length = strlen(line);
-
-    if (!strncmp(line, "  -", 3))
-      PetscCall(WriteOption(file, line));
-    else if (line[length - 1] == ':' && line[0] != ' ')
-      fprintf(file, "\n# --- %.*s ---\n", (int)length - 1, line);
+  for (PetscInt k = 0; k < n; k++) {
+    if (!note[k].read || IsDeed(note[k].name)) continue;
+    if (strcmp(note[k].title, title)) fprintf(file, "\n# --- %s ---\n", note[k].title);
+    title = note[k].title;
+    PetscCall(WriteOption(file, &note[k]));
   }
   PetscCall(WriteOthers(file));
-  if (fclose(file)) *error = errno;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DumpFinish(Sim sim)
+/* All options of the program, with <body> for the name of a body, and what cannot be used together. */
+static PetscErrorCode WriteList(FILE *file)
+{
+  Json json = {.file = file};
+
+  PetscFunctionBegin;
+  JsonObject(&json, NULL);
+  PetscCall(OptionsJson(&json, PETSC_FALSE));
+  RefusalsJson(&json);
+  JsonEnd(&json);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a file on rank 0. */
+static PetscErrorCode Write(MPI_Comm comm, const char path[], PetscErrorCode (*write)(FILE *))
 {
   PetscMPIInt rank;
-  char       *help  = NULL;
   int         error = 0;
 
   PetscFunctionBegin;
-  if (!sim->dump[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(HelpCaught(&help));
-  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
-  if (!rank) PetscCall(WriteFile(sim->dump, help, &error));
-  free(help);
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
-  PetscCheckUser(!error, sim->comm, "cannot write the options file %s: %s", sim->dump, strerror(error));
-  PetscCall(PetscPrintf(sim->comm, "all options of this scene are in %s\n", sim->dump));
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (!rank) {
+    FILE *file = fopen(path, "w");
+
+    if (file) PetscCall((*write)(file));
+    if (!file || fclose(file)) error = errno;
+  }
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
+  PetscCheckUser(!error, comm, "cannot write the options file %s: %s", path, strerror(error));
+  PetscCall(PetscPrintf(comm, "all options of this scene are in %s\n", path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DumpOptions(Sim sim)
+{
+  PetscFunctionBegin;
+  PetscCall(Write(sim->comm, sim->dump, WriteDump));
+  PetscCall(Write(sim->comm, sim->list, WriteList));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

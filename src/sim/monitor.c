@@ -7,16 +7,22 @@
 #define DOT  0.005 /* of the window */
 #define SLAB 0.75  /* spacings to both sides of the middle */
 
+static const OptionRow options[] = {
+  {"-monitor", "Output of every step: ascii, ascii:file, ascii:file:ascii_csv or draw", NULL, NULL, ROW_TEXT, 0},
+  {.name = NULL},
+};
+
 PetscErrorCode MonitorSetFromOptions(Sim sim)
 {
   PetscViewerFormat format = PETSC_VIEWER_DEFAULT;
   PetscBool         set;
+  char              wanted[PETSC_MAX_PATH_LEN] = "";
 
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Monitor", "Sim");
-  PetscCall(PetscOptionsViewer("-monitor", "output of every step: ascii, ascii:file, ascii:file:ascii_csv or draw",
-                               "MonitorStep", &sim->monitor, &format, &set));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, wanted));
   PetscOptionsEnd();
+  PetscCall(PetscOptionsGetViewer(sim->comm, NULL, NULL, "-monitor", &sim->monitor, &format, &set));
   if (!set || !sim->monitor) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscObjectTypeCompare((PetscObject)sim->monitor, PETSCVIEWERDRAW, &sim->monitor_draw));
   sim->monitor_csv = (PetscBool)(format == PETSC_VIEWER_ASCII_CSV);

@@ -100,28 +100,32 @@ static const char *BehindPrefix(const char name[])
   return last;
 }
 
-/* The entry of a name, also without a PETSc object's prefix; NULL if there is none. */
-static const OptionName *Find(const OptionNames *names, const char name[])
+/* A name of PETSc's, also without its prefix; NULL if there is none. */
+static const char *FindPetsc(const PetscNames *names, const char name[])
 {
   const char *part = BehindPrefix(name);
 
   for (PetscInt k = 0; k < names->n; k++)
-    if (!strcmp(names->entry[k].name, name) || (part && !strcmp(names->entry[k].name, part))) return &names->entry[k];
+    if (!strcmp(names->name[k], name) || (part && !strcmp(names->name[k], part))) return names->name[k];
   return NULL;
 }
 
-/* The option of the list nearest to a misspelt name; part: the name, or the name without its prefix. */
-static const OptionName *Nearest(const OptionNames *names, const char part[], PetscInt *distance)
+/* Keeps the candidate if it is nearer to a misspelt name than the nearest so far. */
+static void Nearer(const char name[], const char candidate[], const char **nearest, PetscInt *distance)
 {
-  const OptionName *nearest = NULL;
+  const PetscInt d = WordDistance(name, candidate);
 
-  for (PetscInt k = 0; k < names->n; k++) {
-    const PetscInt d = WordDistance(part, names->entry[k].name);
+  if (d >= *distance) return;
+  *distance = d;
+  *nearest  = candidate;
+}
 
-    if (d >= *distance) continue;
-    *distance = d;
-    nearest   = &names->entry[k];
-  }
+/* PETSc's name nearest to a misspelt one. */
+static const char *NearestPetsc(const PetscNames *names, const char name[], PetscInt *distance)
+{
+  const char *nearest = NULL;
+
+  for (PetscInt k = 0; k < names->n; k++) Nearer(name, names->name[k], &nearest, distance);
   return nearest;
 }
 
@@ -156,18 +160,17 @@ static PetscErrorCode ChoiceOfPetsc(const char name[], char choice[], size_t len
 
 /* For a name that is a body's option without the body's name: the options of all bodies, "-film_radius,
    -drop_radius". */
-static void ForBodies(const OptionNames *own, const char name[], char text[], size_t length)
+static void ForBodies(const char name[], char text[], size_t length)
 {
-  const size_t size = strlen(name);
+  PetscInt          n;
+  const OptionNote *note = OptionsNoted(&n);
 
   text[0] = 0;
-  for (PetscInt k = 0; k < own->n; k++) {
-    const char  *full = own->entry[k].name;
-    const size_t all = strlen(full), used = strlen(text);
+  for (PetscInt k = 0; k < n; k++) {
+    const size_t used = strlen(text);
 
-    if (all > size + 1 && full[all - size - 1] == '_' && !strcmp(full + all - size, name) && own->entry[k].body &&
-        !strstr(text, full))
-      (void)snprintf(text + used, length - used, "%s-%s", used ? ", " : "", full);
+    if (note[k].owner[0] && !strcmp(note[k].row.name + 1, name))
+      (void)snprintf(text + used, length - used, "%s%s", used ? ", " : "", note[k].name);
   }
 }
 
@@ -186,56 +189,59 @@ static const char *Fate(const char name[])
 }
 
 /* Says what is known about an option that nothing has read. */
-static PetscErrorCode Explain(const OptionNames *own, const OptionNames *petsc, const char name[], char text[])
+static PetscErrorCode Explain(const PetscNames *petsc, const char name[], char text[])
 {
-  const char       *part = BehindPrefix(name), *fate = Fate(name);
-  const OptionName *exact    = Find(own, name), *nearest, *other;
-  PetscInt          distance = WordsAlike(name) + 1, petsc_distance = distance, prefixed_distance = distance;
-  char              choice[OPTION_NAME_LENGTH + 32], bodies[SENTENCE / 2];
+  const char       *part = BehindPrefix(name), *fate = Fate(name), *nearest = NULL, *other;
+  PetscInt          n, distance = WordsAlike(name) + 1, petsc_distance = distance, prefixed_distance = distance;
+  const OptionNote *note = OptionsNoted(&n), *exact;
+  char              choice[OPTION_NAME_LENGTH + 32], bodies[SENTENCE / 2], full[OPTION_NAME_LENGTH + 1];
 
   PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(full, sizeof(full), "-%s", name));
+  exact = OptionFind(full);
   PetscCall(ChoiceOfPetsc(name, choice, sizeof(choice)));
-  ForBodies(own, name, bodies, sizeof(bodies));
+  ForBodies(name, bodies, sizeof(bodies));
   if (fate)
     (void)snprintf(text, SENTENCE, ": %s", fate);
   else if (exact && exact->choice[0])
-    (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this scene does not choose", exact->choice);
-  else if (exact || Find(petsc, name))
+    (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this %s", exact->choice,
+                   exact->choice[0] == '-' ? "scene does not choose" : "is not");
+  else if (FindPetsc(petsc, name))
     (void)snprintf(text, SENTENCE, " here: it belongs to%s%s, which this scene does not choose",
                    choice[0] ? "" : " a part of the program or of PETSc", choice);
   else if (bodies[0])
     (void)snprintf(text, SENTENCE, " (did you mean %s?)", bodies);
   else {
-    nearest = Nearest(own, name, &distance);
-    other   = Nearest(petsc, name, &petsc_distance);
+    for (PetscInt k = 0; k < n; k++) Nearer(name, note[k].name + 1, &nearest, &distance);
+    other = NearestPetsc(petsc, name, &petsc_distance);
     if (petsc_distance < distance) nearest = other;
     distance = PetscMin(distance, petsc_distance);
-    other    = part && part > name ? Nearest(petsc, part, &prefixed_distance) : NULL;
+    other    = part && part > name ? NearestPetsc(petsc, part, &prefixed_distance) : NULL;
     if (other && prefixed_distance < distance)
-      (void)snprintf(text, SENTENCE, " (did you mean -%.*s%s?)", (int)(part - name), name, other->name);
+      (void)snprintf(text, SENTENCE, " (did you mean -%.*s%s?)", (int)(part - name), name, other);
     else if (nearest)
-      (void)snprintf(text, SENTENCE, " (did you mean -%s?)", nearest->name);
+      (void)snprintf(text, SENTENCE, " (did you mean -%s?)", nearest);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether an option may be unread. early: PETSc's objects may read more later. petsc: filled when first needed, on rank
    0. */
-static PetscErrorCode Forgive(const char name[], PetscBool early, OptionNames *petsc, PetscBool *forgiven)
+static PetscErrorCode Forgive(const char name[], PetscBool early, PetscNames *petsc, PetscBool *forgiven)
 {
   PetscFunctionBegin;
   *forgiven = PETSC_FALSE;
   for (size_t l = 0; l < PETSC_STATIC_ARRAY_LENGTH(late) && !*forgiven; l++)
     PetscCall(PetscStrcmp(name, late[l], forgiven));
   if (*forgiven || !(early || !strncmp(name, LATE_PREFIX, strlen(LATE_PREFIX)))) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!petsc->n) PetscCall(OptionNamesPetsc(petsc));
-  *forgiven = (PetscBool)(!petsc->n || Find(petsc, name)); /* without a list, refuse none early */
+  if (!petsc->n) PetscCall(PetscNamesRead(petsc));
+  *forgiven = (PetscBool)(!petsc->n || FindPetsc(petsc, name)); /* without a list, refuse none early */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The first unread option to be refused, or empty. If there is one, all unread options are taken from the database, so
    that PETSc does not warn of them. */
-static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, OptionNames *petsc, char fault[OPTION_NAME_LENGTH])
+static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, PetscNames *petsc, char fault[OPTION_NAME_LENGTH])
 {
   PetscMPIInt rank;
   PetscInt    n, count;
@@ -263,22 +269,20 @@ static PetscErrorCode FindFault(MPI_Comm comm, PetscBool early, OptionNames *pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early, PetscErrorCode (*own)(MPI_Comm, OptionNames *))
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early)
 {
-  OptionNames names = {0}, petsc = {0};
+  PetscNames  petsc = {0};
   PetscMPIInt rank;
   char        fault[OPTION_NAME_LENGTH], text[SENTENCE] = "";
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(FindFault(comm, early, &petsc, fault));
-  if (fault[0]) {
-    PetscCall((*own)(comm, &names));
-    if (!rank && !petsc.n) PetscCall(OptionNamesPetsc(&petsc));
-    if (!rank) PetscCall(Explain(&names, &petsc, fault, text));
+  if (fault[0] && !rank) {
+    if (!petsc.n) PetscCall(PetscNamesRead(&petsc));
+    PetscCall(Explain(&petsc, fault, text));
   }
-  PetscCall(OptionNamesDestroy(&names));
-  PetscCall(OptionNamesDestroy(&petsc));
+  PetscCall(PetscNamesDestroy(&petsc));
   PetscCheckUser(!fault[0], comm, "nothing reads the option -%s%s; -help lists all options", fault, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -242,3 +242,17 @@ PetscErrorCode RefusalsHelp(MPI_Comm comm)
                                  Refusals[k].other, Refusals[k].rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+void RefusalsJson(Json *json)
+{
+  JsonArray(json, "refusals");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(Refusals); k++) {
+    JsonObject(json, NULL);
+    JsonText(json, "one", Refusals[k].one);
+    JsonText(json, "relation", Relations[Refusals[k].relation]);
+    JsonText(json, "other", Refusals[k].other);
+    JsonText(json, "rest", Refusals[k].rest);
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+}

@@ -19,53 +19,66 @@ PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const OptionRow options[] = {
+  {"-time_start", "Time of the initial state", "s", "(-inf, inf)", ROW_REAL, offsetof(struct _p_Sim, state.time)},
+  {"-time_end", "Time at which the run ends", "s", NULL, ROW_REAL, offsetof(struct _p_Sim, time_end),
+   .fallback = "none"},
+  {"-steps_max", "Number of steps after which the run ends; 0: no bound", "1", "[0, inf)", ROW_INT,
+   offsetof(struct _p_Sim, steps_max)},
+  {"-restart",
+   "Checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids and bodies must be the "
+   "same, but for their viscosity",
+   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
+  {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene, and stop",
+   NULL, NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
+  {"-scene_model",
+   "Print which models hold for the scene (rings, mirrors, a plane; without tension, viscosity or gravity), and stop",
+   NULL, NULL, ROW_BOOL, offsetof(struct _p_Sim, model)},
+  {SCENE_OPTION,
+   "Write what the program knows about the scene into a file (options/scene_json.md), as each run does into its "
+   "folder, and stop",
+   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, scene_json)},
+  {"-progress_interval", "Wall-clock time between progress lines; 0: none but the summary at the end", "s", "[0, inf)",
+   ROW_REAL, offsetof(struct _p_Sim, progress_interval)},
+  {"-wall_clock_limit",
+   "Wall-clock time from the start of the program, set-up included, after which the run writes a checkpoint and ends; "
+   "0: none",
+   "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, wall_clock_limit)},
+  {"-wall_clock_silence",
+   "Wall-clock time without a sign of life (a step, an iteration, a file) after which the run ends, since the network "
+   "or a host may be gone; 0: never",
+   "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, wall_clock_silence)},
+  {"-packing_relaxation_time", "Time of a relaxation of the packing to rest before the run, without body force", "s",
+   "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, relaxation_time)},
+  {"-packing_relaxation_damping", "Factor on the velocities before each step of the relaxation", "1", "[0, 1]",
+   ROW_REAL, offsetof(struct _p_Sim, relaxation_damping)},
+  {"-packing_relaxation_step", "Time step of the relaxation; 0: as in the run", "s", "[0, inf)", ROW_REAL,
+   offsetof(struct _p_Sim, relaxation_step)},
+  {"-packing_relaxation_speed", "Rms speed below which the relaxation ends early; 0: never", "m/s", "[0, inf)",
+   ROW_REAL, offsetof(struct _p_Sim, relaxation_speed)},
+  {DUMP_OPTION, "Write a commented options file of the scene with all options, and stop", NULL, NULL, ROW_TEXT,
+   offsetof(struct _p_Sim, dump)},
+  {LIST_OPTION, "Write a list of all options, with or without a scene, and stop", NULL, NULL, ROW_TEXT,
+   offsetof(struct _p_Sim, list)},
+  {.name = NULL},
+};
+
 static PetscErrorCode ReadOwnOptions(Sim sim)
 {
+  static const char *const files[] = {DUMP_OPTION, LIST_OPTION, SCENE_OPTION};
+  const char *const        path[]  = {sim->dump, sim->list, sim->scene_json};
+
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
-  PetscCall(OptionReal("-time_start", "time of the initial state (s)", "(-inf, inf)", &sim->state.time));
-  PetscCall(PetscOptionsReal("-time_end", "time at which the run ends (s); default: none", "SimSetFromOptions",
-                             sim->time_end, &sim->time_end, &sim->has_end));
-  PetscCall(
-    OptionInt("-steps_max", "number of steps after which the run ends (1); 0: no bound", "[0, inf)", &sim->steps_max));
-  PetscCall(
-    PetscOptionsString("-restart",
-                       "checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids "
-                       "and bodies must be the same, but for their viscosity",
-                       "SimSetFromOptions", sim->restart, sim->restart, sizeof(sim->restart), NULL));
-  PetscCall(PetscOptionsBool(
-    "-dry_run", "print particles, memory, bounds of the time step, estimated time and output, draw the scene, and stop",
-    "SimDryRun", sim->dry_run, &sim->dry_run, NULL));
-  PetscCall(PetscOptionsBool("-scene_model",
-                             "print which models hold for the scene (rings, mirrors, a plane; without tension, "
-                             "viscosity or gravity), and stop",
-                             "ModelPrint", sim->model, &sim->model, NULL));
-  PetscCall(PetscOptionsString("-scene_json",
-                               "write what the program knows about the scene into a file (options/scene_json.md), as "
-                               "each run does into its folder, and stop",
-                               "SceneFileWrite", sim->scene_json, sim->scene_json, sizeof(sim->scene_json), NULL));
-  PetscCall(OptionReal("-progress_interval",
-                       "wall-clock time between progress lines (s); 0: none but the summary at the end", "[0, inf)",
-                       &sim->progress_interval));
-  PetscCall(OptionReal("-wall_clock_limit",
-                       "wall-clock time from the start of the program, set-up included, after which the run writes a "
-                       "checkpoint and ends (s); 0: none",
-                       "[0, inf)", &sim->wall_clock_limit));
-  PetscCall(
-    OptionReal("-wall_clock_silence",
-               "wall-clock time without a sign of life (a step, an iteration, a file) after which the run ends, "
-               "since the network or a host may be gone (s); 0: never",
-               "[0, inf)", &sim->wall_clock_silence));
-  PetscCall(OptionReal("-packing_relaxation_time",
-                       "time of a relaxation of the packing to rest before the run, without body force (s)", "[0, inf)",
-                       &sim->relaxation_time));
-  PetscCall(OptionReal("-packing_relaxation_damping", "factor on the velocities before each step of the relaxation (1)",
-                       "[0, 1]", &sim->relaxation_damping));
-  PetscCall(OptionReal("-packing_relaxation_step", "time step of the relaxation (s); 0: as in the run", "[0, inf)",
-                       &sim->relaxation_step));
-  PetscCall(OptionReal("-packing_relaxation_speed", "rms speed (m/s) below which the relaxation ends early; 0: never",
-                       "[0, inf)", &sim->relaxation_speed));
+  PetscCall(OptionsRead(PetscOptionsObject, options, "SimSetFromOptions", sim));
   PetscOptionsEnd();
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-time_end", &sim->has_end));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++) {
+    PetscBool set;
+
+    PetscCall(PetscOptionsHasName(NULL, NULL, files[k], &set));
+    PetscCheckUser(!set || path[k][0], sim->comm, "%s needs the name of the file to write", files[k]);
+  }
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
   InterruptSilence((double)sim->wall_clock_silence);
@@ -82,36 +95,18 @@ static PetscErrorCode CheckScene(Sim sim)
                                          {"-box_upper", "10,10,10"},
                                          {"-bodies", "liquid"},
                                          {"-time_step_max", "1"}};
-  PetscBool                any        = HelpWanted(), set;
+  PetscBool                any        = OptionsAll(), set;
 
   PetscFunctionBegin;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(least); k++) {
     PetscCall(PetscOptionsHasName(NULL, NULL, least[k][0], &set));
-    if (!set && HelpWanted()) PetscCall(PetscOptionsSetValue(NULL, least[k][0], least[k][1]));
+    if (!set && OptionsAll()) PetscCall(PetscOptionsSetValue(NULL, least[k][0], least[k][1]));
     any = (PetscBool)(any || set);
   }
   PetscCheckUser(
     any, sim->comm,
     "no scene is given: name its file, as ./isph cases/drop_impact/case.opts or with -options_file; -help lists all "
     "options");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The names of all options of this scene: a second program reads its options once more, for -help. */
-static PetscErrorCode OwnNames(MPI_Comm comm, OptionNames *names)
-{
-  Sim       sim;
-  PetscBool stop;
-  char     *help;
-
-  PetscFunctionBegin;
-  PetscCall(SimCreate(comm, &sim));
-  PetscCall(HelpCatch());
-  PetscCall(SimSetFromOptions(sim, &stop));
-  PetscCall(HelpCaught(&help));
-  PetscCall(OptionNamesFromHelp(sim->scene, help, names));
-  free(help);
-  PetscCall(SimDestroy(&sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,14 +120,16 @@ static PetscErrorCode RefreshSums(void *stepper)
 
 PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 {
-  MPI_Comm comm = sim->comm;
+  MPI_Comm  comm = sim->comm;
+  PetscBool help;
 
   PetscFunctionBegin;
   PetscCall(RefuseTraps(comm));
-  PetscCall(DumpStart(sim));
-  PetscCall(PetscOptionsHasHelp(NULL, stop));
+  PetscCall(OptionsForget());
+  PetscCall(PetscOptionsHasHelp(NULL, &help));
   PetscCall(CheckScene(sim));
   PetscCall(ReadOwnOptions(sim));
+  *stop = (PetscBool)(help || sim->dump[0] || sim->list[0]);
   PetscCall(DomainCreate(comm, &sim->domain));
   PetscCall(DomainSetFromOptions(sim->domain));
   PetscCall(RefuseCombinations(sim));
@@ -141,7 +138,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(SceneCreate(sim->domain, &sim->scene));
   PetscCall(SceneSetFromOptions(sim->scene));
   PetscCall(RefuseCombinations(sim));
-  if (HelpWanted()) PetscCall(SceneHelp(comm));
+  if (OptionsAll()) PetscCall(SceneHelp(comm));
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(RefuseCombinations(sim));
@@ -171,9 +168,9 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
-  PetscCall(DumpFinish(sim));
-  if (*stop) PetscCall(RefusalsHelp(comm));
-  if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE, OwnNames));
+  PetscCall(DumpOptions(sim));
+  if (help) PetscCall(RefusalsHelp(comm));
+  if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
   if (!*stop && sim->model) {
     SceneModel model;
 
@@ -212,7 +209,7 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperPrepare(sim->stepper));
-  PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE, OwnNames));
+  PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE));
   if (!restarting) {
     PetscInt lost = 0;
 

@@ -2,6 +2,7 @@
 #ifndef ISPH_SIM_TYPES_H
 #define ISPH_SIM_TYPES_H
 
+#include "../base/json.h"
 #include "sim.h"
 
 struct _p_Sim {
@@ -27,7 +28,7 @@ struct _p_Sim {
   PetscViewer monitor; /* NULL: none */
   PetscInt    monitor_lines;
   PetscBool   monitor_csv, monitor_draw;
-  char        dump[PETSC_MAX_PATH_LEN];
+  char        dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
   char        scene_json[PETSC_MAX_PATH_LEN];
   char        restart[PETSC_MAX_PATH_LEN];
 };
@@ -54,18 +55,14 @@ PetscErrorCode BudgetReport(Sim sim);
 PetscErrorCode MonitorSetFromOptions(Sim sim);
 PetscErrorCode MonitorStep(Sim sim);
 PetscErrorCode MonitorDestroy(Sim sim);
-/* HelpCatch - switches -help on and keeps its text instead of printing it. HelpCaught - ends that; *text: the text on
-   rank 0, empty elsewhere, to be freed with free. Collective. */
-PetscErrorCode HelpCatch(void);
-PetscErrorCode HelpCaught(char **text);
 /* RefuseCombinations - refuses (UserError) features that cannot be used together, of the parts of sim that have read
-   their options so far. RefusalsHelp - prints all these pairs of features, for -help. Collective. */
+   their options so far. RefusalsHelp - prints all these pairs of features, for -help. Collective. RefusalsJson - writes
+   them. Not collective. */
 PetscErrorCode RefuseCombinations(Sim sim);
 PetscErrorCode RefusalsHelp(MPI_Comm comm);
-/* DumpStart - with -dump_options, keeps the help texts of all options instead of printing them. DumpFinish - writes
-   them to the file. Collective. */
-PetscErrorCode DumpStart(Sim sim);
-PetscErrorCode DumpFinish(Sim sim);
+void           RefusalsJson(Json *json);
+/* DumpOptions - writes the options of the scene to the files that the user wants. Collective. */
+PetscErrorCode DumpOptions(Sim sim);
 /* SimEmit - adds the liquid that emitters bring up to the state's time, and its energy to the state. Collective. */
 PetscErrorCode SimEmit(Sim sim);
 /* ShapeVolume - volume (m3, in two dimensions m2) of a body's shape in the box, outside solids: midpoints of cells of a
@@ -135,25 +132,17 @@ PetscErrorCode SceneFileWrite(Sim sim, const char path[]);
 PetscErrorCode Relax(Sim sim);
 /* RefuseTraps - a UserError for -fp_trap. Collective. */
 PetscErrorCode RefuseTraps(MPI_Comm comm);
-/* Names of options without the dash, and the choice that each belongs to, "-packing_type poisson", or "". */
-#define OPTION_NAME_LENGTH 128
-typedef struct {
-  char      name[OPTION_NAME_LENGTH], choice[OPTION_NAME_LENGTH];
-  PetscBool body; /* of a body or solid */
-} OptionName;
-typedef struct {
-  PetscInt    n, capacity;
-  OptionName *entry; /* [n] */
-} OptionNames;
 /* RefuseUnusedOptions - a UserError naming the first option that nothing has read, with the nearest name that exists or
    the choice that the option belongs to. early: before the packing; PETSc's options pass, since PETSc may read them
-   later. own: adds the names of the program's own options, on rank 0. Collective. */
-PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early, PetscErrorCode (*own)(MPI_Comm, OptionNames *));
-/* OptionNamesFromHelp - adds the names in the text of -help; a body's option for each body of the scene. Cuts up the
-   text. OptionNamesPetsc - adds the names in PETSc's and SLEPc's libraries, none if these cannot be read. Not
-   collective. */
-PetscErrorCode OptionNamesFromHelp(Scene scene, char help[], OptionNames *names);
-PetscErrorCode OptionNamesPetsc(OptionNames *names);
-PetscErrorCode OptionNamesDestroy(OptionNames *names);
+   later. Collective. */
+PetscErrorCode RefuseUnusedOptions(MPI_Comm comm, PetscBool early);
+/* PetscNames - the names of PETSc's and SLEPc's options without their dash, from the texts of these libraries, which
+   have no list of them; none if they cannot be read. Free the names with PetscNamesDestroy. Not collective. */
+typedef struct {
+  PetscInt n, capacity;
+  char (*name)[OPTION_NAME_LENGTH]; /* [n] */
+} PetscNames;
+PetscErrorCode PetscNamesRead(PetscNames *names);
+PetscErrorCode PetscNamesDestroy(PetscNames *names);
 
 #endif

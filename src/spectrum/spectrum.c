@@ -11,14 +11,19 @@ PetscErrorCode SpectrumCreate(Cloud cloud, Tension tension, Pressure pressure, S
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const OptionRow options[] = {
+  {"-spectrum",
+   "Report eigenvalues and condition of the pressure operator and the stability limits of the explicit terms at the "
+   "end of the run",
+   NULL, NULL, ROW_BOOL, offsetof(struct _p_Spectrum, wanted)},
+  {.name = NULL},
+};
+
 PetscErrorCode SpectrumSetFromOptions(Spectrum s)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Spectrum", "Spectrum");
-  PetscCall(PetscOptionsBool("-spectrum",
-                             "report eigenvalues and condition of the pressure operator and the stability limits of "
-                             "the explicit terms at the end of the run",
-                             "SpectrumSetFromOptions", s->wanted, &s->wanted, NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, s));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

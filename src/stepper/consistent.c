@@ -45,24 +45,14 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
+static const OptionRow options[] = {CONSISTENT_ROWS, {.name = NULL}};
+
+PetscErrorCode ConsistentSetUp(void *owner)
 {
-  Consistent *scheme   = (Consistent *)stepper->scheme;
-  Shifting   *shifting = &scheme->shifting;
+  Stepper           stepper = (Stepper)owner;
+  const Consistent *scheme  = (const Consistent *)stepper->scheme;
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-shifting", "shift particles towards an even distribution", "ConsistentSetFromOptions",
-                             shifting->active, &shifting->active, NULL));
-  PetscCall(PetscOptionsBool("-shifting_conserved",
-                             "shifting conserves momentum and angular momentum, but loses more energy",
-                             "ConsistentSetFromOptions", shifting->conserved, &shifting->conserved, NULL));
-  PetscCall(OptionReal("-shifting_strength", "A in dr = -A h dt |dv| grad C (1)", "[0, inf)", &shifting->strength));
-  PetscCall(OptionReal("-shifting_disorder",
-                       "h |grad C| at which the strength has doubled, it triples at most (1); 0: one strength "
-                       "everywhere; 0.06 keeps more energy in coarse splashes",
-                       "[0, inf)", &shifting->disorder));
-  PetscCall(PetscOptionsBool("-time_centered", "evaluate forces at the middle of the step: drift, kick, drift",
-                             "ConsistentSetFromOptions", scheme->centered, &scheme->centered, NULL));
   stepper->force_time = scheme->centered ? 0.5 : 0;
   if (scheme->centered)
     TensionStepLimits(stepper->tension, &stepper->limits.capillary_limit, &stepper->limits.capillary_most);
@@ -75,13 +65,6 @@ PetscErrorCode ConsistentView(Stepper stepper, PetscViewer viewer)
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Shifting: %s\n", scheme->shifting.active ? "on" : "off"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode SchemeDestroyData(Stepper stepper)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree(stepper->scheme));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,20 +92,17 @@ static PetscErrorCode CheckConsistent(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SchemeCreate_Consistent(Stepper stepper)
+static PetscErrorCode Create(Stepper stepper)
 {
-  Consistent *scheme;
-
   PetscFunctionBegin;
-  PetscCall(PetscNew(&scheme));
-  scheme->project         = StepProject;
-  stepper->scheme         = scheme;
-  stepper->keeps_pressure = PETSC_TRUE;
-  stepper->ops            = (SchemeOps){.setfromoptions = ConsistentSetFromOptions,
-                                        .check          = CheckConsistent,
-                                        .view           = ConsistentView,
-                                        .step           = ConsistentStep,
-                                        .destroy        = SchemeDestroyData};
+  ((Consistent *)stepper->scheme)->project = StepProject;
+  stepper->keeps_pressure                  = PETSC_TRUE;
   PetscCall(ConsistentDefaults(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const SchemeOps SchemeConsistent = {.choice = {SCHEME_CONSISTENT, sizeof(Consistent), options, NULL, ConsistentSetUp},
+                                    .create = Create,
+                                    .check  = CheckConsistent,
+                                    .view   = ConsistentView,
+                                    .step   = ConsistentStep};

@@ -14,13 +14,40 @@ typedef struct {
   PetscErrorCode (*project)(Stepper stepper, PetscReal dt, PressureResult *result);
 } Consistent;
 
+/* The options of both schemes. */
+#define CONSISTENT_ROWS                                                                                                \
+  {"-shifting", "Shift particles towards an even distribution", NULL, NULL,                                            \
+   ROW_BOOL,    offsetof(Consistent, shifting.active)},                                                                \
+    {"-shifting_conserved",                                                                                            \
+     "Shifting conserves momentum and angular momentum, but loses more energy",                                        \
+     NULL,                                                                                                             \
+     NULL,                                                                                                             \
+     ROW_BOOL,                                                                                                         \
+     offsetof(Consistent, shifting.conserved)},                                                                        \
+    {"-shifting_strength",                                                                                             \
+     "A in dr = -A h dt |dv| grad C",                                                                                  \
+     "1",                                                                                                              \
+     "[0, inf)",                                                                                                       \
+     ROW_REAL,                                                                                                         \
+     offsetof(Consistent, shifting.strength)},                                                                         \
+    {"-shifting_disorder",                                                                                             \
+     "h |grad C| at which the strength has doubled, it triples at most; 0: one strength everywhere; 0.06 keeps more "  \
+     "energy in coarse splashes",                                                                                      \
+     "1",                                                                                                              \
+     "[0, inf)",                                                                                                       \
+     ROW_REAL,                                                                                                         \
+     offsetof(Consistent, shifting.disorder)},                                                                         \
+  {                                                                                                                    \
+    "-time_centered", "Evaluate forces at the middle of the step: drift, kick, drift", NULL, NULL, ROW_BOOL,           \
+      offsetof(Consistent, centered)                                                                                   \
+  }
+
 /* ConsistentDefaults - sets the types and defaults of both schemes, after the scheme has made its data. Not
    collective. */
 PetscErrorCode ConsistentDefaults(Stepper stepper);
 /* Entries of SchemeOps that both schemes use. */
-PetscErrorCode ConsistentSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
+PetscErrorCode ConsistentSetUp(void *stepper);
 PetscErrorCode ConsistentView(Stepper stepper, PetscViewer viewer);
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial);
-PetscErrorCode SchemeDestroyData(Stepper stepper);
 
 #endif

@@ -77,14 +77,18 @@ static PetscErrorCode DensityInvariantStep(Stepper stepper, PetscReal dt, StepTr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper)
+static PetscErrorCode Create(Stepper stepper)
 {
   PetscFunctionBegin;
-  stepper->ops              = (SchemeOps){.step = DensityInvariantStep, .advice = ADVICE, .at_once = PETSC_TRUE};
-  stepper->scheme           = NULL;
   stepper->no_slip          = PETSC_FALSE;
   stepper->relaxation_ratio = 5; /* for another source than the scheme's */
   stepper->force_time       = 0;
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DENSITY, CLOSURE_DOUBLED, GRADIENT_SYMMETRIC, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const SchemeOps SchemeDensityInvariant = {.choice  = {.name = SCHEME_DENSITY_INVARIANT},
+                                          .create  = Create,
+                                          .step    = DensityInvariantStep,
+                                          .advice  = ADVICE,
+                                          .at_once = PETSC_TRUE};

@@ -3,23 +3,19 @@
 #define MAX_HALVINGS 10    /* of a step that is rolled back */
 #define STALLED      1e-12 /* step over time: a smaller step does not advance the time */
 
-static PetscFunctionList SchemeList = NULL;
+static const Choice *const Schemes[] = {&SchemeConsistent.choice, &SchemeDensityInvariant.choice,
+                                        &SchemeWeaklyCompressible.choice, NULL};
 
-static PetscErrorCode StepperFinalizePackage(void)
+/* Makes a scheme that of the stepper, with its defaults. */
+static PetscErrorCode SetScheme(Stepper s, const Choice *choice)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&SchemeList));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode StepperRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (SchemeList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscRegisterFinalize(StepperFinalizePackage));
-  PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_CONSISTENT, SchemeCreate_Consistent));
-  PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_DENSITY_INVARIANT, SchemeCreate_DensityInvariant));
-  PetscCall(PetscFunctionListAdd(&SchemeList, SCHEME_WEAKLY_COMPRESSIBLE, SchemeCreate_WeaklyCompressible));
+  PetscCall(PetscFree(s->scheme));
+  TimeStepDefaults(&s->limits);
+  s->ops = (const SchemeOps *)choice;
+  PetscCall(PetscStrncpy(s->scheme_type, choice->name, sizeof(s->scheme_type)));
+  if (choice->size) PetscCall(PetscCalloc(choice->size, &s->scheme));
+  PetscCall(s->ops->create(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,7 +24,6 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   Stepper s;
 
   PetscFunctionBegin;
-  PetscCall(StepperRegisterAll());
   PetscCall(PetscNew(&s));
   s->cloud    = cloud;
   s->tension  = tension;
@@ -39,24 +34,18 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->guard             = 0.25;
   s->density_ratio_max = 2;
   s->damping           = 1;
-  PetscCall(StepperSetScheme(s, SCHEME_CONSISTENT));
+  PetscCall(SetScheme(s, &SchemeConsistent.choice));
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StepperSetScheme(Stepper s, const char name[])
 {
-  PetscErrorCode (*create)(Stepper);
-  char names[NAMES_LENGTH];
+  const Choice *choice;
 
   PetscFunctionBegin;
-  PetscCall(PetscFunctionListFind(SchemeList, name, &create));
-  PetscCall(ListNames(SchemeList, names));
-  PetscCheckUser(create, s->cloud->comm, "-scheme %s does not exist; choose from %s", name, names);
-  if (s->ops.destroy) PetscCall(s->ops.destroy(s));
-  TimeStepDefaults(&s->limits);
-  PetscCall(PetscStrncpy(s->scheme_type, name, sizeof(s->scheme_type)));
-  PetscCall(create(s));
+  PetscCall(ChoiceFind(s->cloud->comm, Schemes, "-scheme", name, &choice));
+  PetscCall(SetScheme(s, choice));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,81 +67,95 @@ static PetscErrorCode CheckDensities(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A TypeReader of schemes. */
-static PetscErrorCode ReadScheme(void *object, const char type[])
+static const OptionRow ratio[] = {
+  {"-pressure_relaxation_ratio", "Time in which the divergence source corrects density errors, over h/U of the scene",
+   "1", "(0, inf)", ROW_REAL, offsetof(struct _p_Stepper, relaxation_ratio)},
+  {.name = NULL},
+};
+
+/* A ChoiceReader. */
+static PetscErrorCode ReadScheme(void *object, const Choice *choice)
 {
   Stepper s = (Stepper)object;
   char    title[128];
 
   PetscFunctionBegin;
-  PetscCall(StepperSetScheme(s, type));
-  PetscCall(PetscSNPrintf(title, sizeof(title), "Scheme with -scheme %s", type));
+  PetscCall(SetScheme(s, choice));
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Scheme with -scheme %s", choice->name));
   PetscOptionsBegin(s->cloud->comm, NULL, title, "Stepper");
-  if (s->ops.setfromoptions) PetscCall(s->ops.setfromoptions(s, PetscOptionsObject));
-  PetscCall(OptionReal("-pressure_relaxation_ratio",
-                       "time in which the divergence source corrects density errors, over h/U of the scene (1)",
-                       "(0, inf)", &s->relaxation_ratio));
+  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "StepperSetFromOptions", s->scheme));
+  if (choice->setup) PetscCall(choice->setup(s));
+  PetscCall(OptionsRead(PetscOptionsObject, ratio, "StepperSetFromOptions", s));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static const OptionRow schemes[] = {
+  {"-scheme", "How the pressure keeps the liquid incompressible", NULL, NULL, ROW_CHOICE,
+   offsetof(struct _p_Stepper, scheme_type), .choices = Schemes},
+  {"-wall_guard", "Least distance of particles from a wall; negative: how far they may go behind it", "spacings",
+   "[-1, 0.5]", ROW_REAL, offsetof(struct _p_Stepper, guard)},
+  {.name = NULL},
+};
 
 static PetscErrorCode SetSchemeFromOptions(Stepper s)
 {
-  char type[sizeof(s->scheme_type)];
+  const Choice *choice;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(type, s->scheme_type, sizeof(type)));
   PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
-  PetscCall(PetscOptionsFList("-scheme", "how the pressure keeps the liquid incompressible", "StepperSetScheme",
-                              SchemeList, type, type, sizeof(type), NULL));
-  PetscCall(OptionReal("-wall_guard",
-                       "least distance of particles from a wall (spacings); negative: how far they may go behind it",
-                       "[-1, 0.5]", &s->guard));
+  PetscCall(OptionsRead(PetscOptionsObject, schemes, "StepperSetFromOptions", s));
   PetscOptionsEnd();
-  PetscCall(ReadTypeOptions(SchemeList, type, ReadScheme, s));
+  PetscCall(ChoiceFind(s->cloud->comm, Schemes, "-scheme", s->scheme_type, &choice));
+  PetscCall(ChoicesRead(Schemes, "-scheme", NULL, choice, OptionsAll(), ReadScheme, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static const char *const Forms[] = {"cleary", "morris", NULL}, *const Walls[] = {"rest", "linear", NULL};
+
+static const OptionRow viscosity[] = {
+  {"-viscosity_form",
+   "Form of the viscous force: cleary is Eq. (1) and conserves angular momentum, morris is exact for shear flow and "
+   "dissipates too little at free surfaces",
+   NULL, NULL, ROW_WORD, offsetof(struct _p_Stepper, viscosity.form), .words = Forms},
+  {"-viscosity_wall",
+   "Velocity behind a wall: rest is the wall's own, as printed, and lets the first layer slip; linear continues the "
+   "liquid's velocity, for no slip at the wall's face",
+   NULL, NULL, ROW_WORD, offsetof(struct _p_Stepper, no_slip), .words = Walls},
+  {.name = NULL},
+};
 
 static PetscErrorCode SetViscosityFromOptions(Stepper s)
 {
-  const char *const forms[] = {"cleary", "morris"}, *const walls[] = {"rest", "linear"};
-  PetscInt form = s->viscosity.form, wall = s->no_slip;
-
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Viscosity", "Stepper");
-  PetscCall(PetscOptionsEList("-viscosity_form",
-                              "form of the viscous force: cleary is Eq. (1) and conserves angular momentum, morris is "
-                              "exact for shear flow and dissipates too little at free surfaces",
-                              "StepperSetFromOptions", forms, 2, forms[form], &form, NULL));
-  PetscCall(PetscOptionsEList("-viscosity_wall",
-                              "velocity behind a wall: rest is the wall's own, as printed, and lets the first layer "
-                              "slip; linear continues the liquid's velocity, for no slip at the wall's face",
-                              "StepperSetFromOptions", walls, 2, walls[wall], &wall, NULL));
+  PetscCall(OptionsRead(PetscOptionsObject, viscosity, "StepperSetFromOptions", s));
   PetscCall(ViscousSetFromOptions(s, PetscOptionsObject));
   PetscOptionsEnd();
-  s->viscosity.form = (ViscosityForm)form;
-  if (wall) OperatorsNoSlip(s->cloud, &s->viscosity);
+  if (s->no_slip) OperatorsNoSlip(s->cloud, &s->viscosity);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The options of TrialLimits. */
+static const OptionRow checks[] = {
+  {"-displacement_max", "Largest displacement in a step; a larger one rolls the step back", "spacings", "(0, inf)",
+   ROW_REAL, offsetof(struct _p_Stepper, trial.displacement)},
+  {"-density_max", "Largest summed density over rest density; a larger one rolls the step back", "1", "(1, inf)",
+   ROW_REAL, offsetof(struct _p_Stepper, trial.density)},
+  {"-energy_max",
+   "Largest kinetic energy, over the most that the scene's speeds, falls and surfaces can give; more stops the run; 0: "
+   "no limit",
+   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Stepper, trial.energy)},
+  {"-density_ratio_max",
+   "Largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable", "1", "[1, inf)",
+   ROW_REAL, offsetof(struct _p_Stepper, density_ratio_max)},
+  {.name = NULL},
+};
+
 static PetscErrorCode SetTrialFromOptions(Stepper s)
 {
   PetscFunctionBegin;
   PetscOptionsBegin(s->cloud->comm, NULL, "Checks of a step", "Stepper");
-  PetscCall(OptionReal("-displacement_max",
-                       "largest displacement in a step; a larger one rolls the step back (spacings)", "(0, inf)",
-                       &s->trial.displacement));
-  PetscCall(OptionReal("-density_max", "largest summed density over rest density; a larger one rolls the step back (1)",
-                       "(1, inf)", &s->trial.density));
-  PetscCall(OptionReal("-energy_max",
-                       "largest kinetic energy, over the most that the scene's speeds, falls and surfaces can give; "
-                       "more stops the run (1); 0: no limit",
-                       "[0, inf)", &s->trial.energy));
-  PetscCall(OptionReal("-density_ratio_max",
-                       "largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable "
-                       "(1)",
-                       "[1, inf)", &s->density_ratio_max));
+  PetscCall(OptionsRead(PetscOptionsObject, checks, "StepperSetFromOptions", s));
   PetscOptionsEnd();
   PetscCall(CheckDensities(s));
   s->trial.at_hand = StepperEnergyAtHand(s);
@@ -172,7 +175,7 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
-  if (s->ops.check) PetscCall(s->ops.check(s));
+  if (s->ops->check) PetscCall(s->ops->check(s));
   if (velocity > 0)
     PetscCall(
       PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * KernelSmoothingLength(s->cloud->kernel) / velocity));
@@ -185,7 +188,7 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g\n", stepper->scheme_type, (double)stepper->limits.cfl));
-  if (stepper->ops.view) PetscCall(stepper->ops.view(stepper, viewer));
+  if (stepper->ops->view) PetscCall(stepper->ops->view(stepper, viewer));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -203,7 +206,7 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
 
 PetscBool StepperRepairsAtOnce(Stepper stepper)
 {
-  return (PetscBool)(stepper->ops.at_once && !PressureTakesDivergence(stepper->pressure));
+  return (PetscBool)(stepper->ops->at_once && !PressureTakesDivergence(stepper->pressure));
 }
 
 PetscErrorCode StepperReset(Stepper stepper)
@@ -216,7 +219,7 @@ PetscErrorCode StepperReset(Stepper stepper)
 PetscErrorCode StepperDestroy(Stepper *stepper)
 {
   PetscFunctionBegin;
-  if ((*stepper)->ops.destroy) PetscCall((*stepper)->ops.destroy(*stepper));
+  PetscCall(PetscFree((*stepper)->scheme));
   PetscCall(ViscousDestroy(*stepper));
   PetscCall(StepEdgesDestroy(*stepper));
   PetscCall(PetscFree(*stepper));
@@ -346,7 +349,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     SceneMoveSolids(cloud->scene, state->time);
     PressureSetRepair(stepper->pressure,
                       PetscMin(1, (state->step + 1) * dt / PressureRelaxationTime(stepper->pressure)));
-    PetscCall(stepper->ops.step(stepper, dt, &trial));
+    PetscCall(stepper->ops->step(stepper, dt, &trial));
     PetscCall(TrialReduce(stepper, &trial));
     PetscCall(TrialCheck(stepper, dt, &trial, why, length));
     iterations += trial.pressure.solver.iterations;
@@ -357,9 +360,9 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(PetscInfo(NULL, "step of %g s rolled back: %s\n", (double)dt, why));
     PetscCall(PressureReset(stepper->pressure));
   }
-  if (*failed && stepper->ops.advice) {
+  if (*failed && stepper->ops->advice) {
     PetscCall(PetscStrlcat(why, "; ", length));
-    PetscCall(PetscStrlcat(why, stepper->ops.advice, length));
+    PetscCall(PetscStrlcat(why, stepper->ops->advice, length));
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));

@@ -12,14 +12,14 @@ static inline PetscBool TrialFailed(const StepTrial *trial)
 
 /* What a scheme provides: one file, and one line in stepper.c. Entries other than step may be NULL. */
 typedef struct {
-  PetscErrorCode (*setfromoptions)(Stepper stepper, OptionItems PetscOptionsObject); /* inside an options block */
-  PetscErrorCode (*check)(Stepper stepper); /* completes and checks; stepper->reference_velocity is known */
+  Choice choice;                             /* its data are stepper->scheme */
+  PetscErrorCode (*create)(Stepper stepper); /* the defaults of stepper, pressure and data */
+  PetscErrorCode (*check)(Stepper stepper);  /* completes and checks; stepper->reference_velocity is known */
   PetscErrorCode (*view)(Stepper stepper, PetscViewer viewer);
   PetscReal (*bound)(
     Stepper   stepper,
     PetscReal speed); /* bound of the step (s), besides those of every scheme; speed: the fluid's largest, m/s */
   PetscErrorCode (*step)(Stepper stepper, PetscReal dt, StepTrial *trial);
-  PetscErrorCode (*destroy)(Stepper stepper);
   const char *advice;  /* what else to try when smaller steps do not help */
   PetscBool   at_once; /* corrects all density errors in each step, unless the source is a divergence */
 } SchemeOps;
@@ -63,8 +63,8 @@ struct _p_Stepper {
   Cloud              cloud;    /* borrowed */
   Tension            tension;  /* borrowed */
   Pressure           pressure; /* borrowed */
-  char               scheme_type[64];
-  SchemeOps          ops;
+  char               scheme_type[OPTION_WORD_LENGTH];
+  const SchemeOps   *ops;
   void              *scheme;    /* data of the scheme */
   const Edge *const *edges;     /* StepEdges */
   void              *edge_data; /* StepEdgeData */
@@ -98,11 +98,7 @@ static inline PetscBool StepTooFar(Stepper stepper, const StepTrial *trial)
                        stepper->trial.displacement * stepper->cloud->domain->spacing);
 }
 
-/* Create the schemes: set the defaults of stepper and pressure, and the scheme's data and operations. Not
-   collective. */
-PetscErrorCode SchemeCreate_Consistent(Stepper stepper);
-PetscErrorCode SchemeCreate_DensityInvariant(Stepper stepper);
-PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper);
+extern const SchemeOps SchemeConsistent, SchemeDensityInvariant, SchemeWeaklyCompressible;
 
 /* --- sub-steps, substeps.c; all collective, each with its log event --- */
 

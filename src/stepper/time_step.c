@@ -15,6 +15,19 @@ void TimeStepDefaults(TimeStepLimits *limits)
     (TimeStepLimits){.cfl = 0.2, .capillary_limit = CAPILLARY, .capillary_most = CAPILLARY, .per_period = PER_PERIOD};
 }
 
+static const OptionRow options[] = {
+  {"-time_cfl", "Largest speed times time step over h", "1", "(0, 2]", ROW_REAL, offsetof(TimeStepLimits, cfl)},
+  {"-time_steps_per_period",
+   "Bound by surface tension: at least so many steps in a period of a drop as thick as the thinnest body, if the "
+   "spacing alone asks for more; 0: as the spacing asks",
+   "1", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, per_period)},
+  {"-time_step_min", "Smallest time step chosen", "s", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, min)},
+  {"-time_step_max", "Largest time step chosen; 0: no bound", "s", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, max)},
+  {"-time_step", "Fixed time step; 0: chosen from the state", "s", "[0, inf)", ROW_REAL,
+   offsetof(TimeStepLimits, fixed)},
+  {.name = NULL},
+};
+
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 {
   MPI_Comm        comm   = stepper->cloud->comm;
@@ -22,15 +35,7 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Time step", "Stepper");
-  PetscCall(OptionReal("-time_cfl", "largest speed times time step over h (1)", "(0, 2]", &limits->cfl));
-  PetscCall(
-    OptionReal("-time_steps_per_period",
-               "bound by surface tension: at least so many steps in a period of a drop as thick as the thinnest "
-               "body (1), if the spacing alone asks for more; 0: as the spacing asks",
-               "[0, inf)", &limits->per_period));
-  PetscCall(OptionReal("-time_step_min", "smallest time step chosen (s)", "[0, inf)", &limits->min));
-  PetscCall(OptionReal("-time_step_max", "largest time step chosen (s); 0: no bound", "[0, inf)", &limits->max));
-  PetscCall(OptionReal("-time_step", "fixed time step (s); 0: chosen from the state", "[0, inf)", &limits->fixed));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, limits));
   PetscOptionsEnd();
   PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
                  "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
@@ -133,8 +138,8 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
 
   if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
-  if (stepper->ops.bound)
-    bounds.speed = PetscMin(bounds.speed, stepper->ops.bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
+  if (stepper->ops->bound)
+    bounds.speed = PetscMin(bounds.speed, stepper->ops->bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
   if (extreme[STRONGEST] > 0) bounds.force = FORCE_LIMIT * PetscSqrtReal(h / extreme[STRONGEST]);
   BoundByViscosities(stepper, extreme[THICKEST], &bounds);
   if (TensionReach(stepper->tension) > 0 && SceneHasTension(cloud->scene)) bounds.tension = CapillaryStep(stepper, 1);

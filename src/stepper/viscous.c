@@ -11,23 +11,26 @@ PetscBool ViscosityIsExplicit(Stepper stepper)
   return (PetscBool)(SceneHasViscosity(stepper->cloud->scene) && !stepper->viscous.implicit);
 }
 
+static const char *const Solvers[] = {"explicit", "implicit", "auto", NULL};
+
+static const OptionRow options[] = {
+  {"-viscosity_solver",
+   "Explicit, implicit (solver: -viscous_ksp_type ...), or auto: implicit in steps that the explicit limit would "
+   "shorten",
+   NULL, NULL, ROW_WORD, offsetof(Viscous, choice), .words = Solvers},
+  {"-viscosity_step_ratio",
+   "Largest step with implicit viscosity over the explicit limit, for accuracy; 0: no bound; the limit of a viscosity "
+   "that varies is that at the shear rate U/h of the scene",
+   "1", "[0, inf)", ROW_REAL, offsetof(Viscous, ratio)},
+  {.name = NULL},
+};
+
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
 {
-  const char *const solvers[] = {"explicit", "implicit", "auto"};
-  Viscous          *viscous   = &stepper->viscous;
-  PetscInt          solver    = VISCOUS_AUTO;
-
   PetscFunctionBegin;
-  viscous->ratio = VISCOUS_RATIO;
-  PetscCall(PetscOptionsEList("-viscosity_solver",
-                              "explicit, implicit (solver: -viscous_ksp_type ...), or auto: implicit in steps that the "
-                              "explicit limit would shorten",
-                              "StepperSetFromOptions", solvers, 3, solvers[solver], &solver, NULL));
-  PetscCall(OptionReal("-viscosity_step_ratio",
-                       "largest step with implicit viscosity over the explicit limit, for accuracy (1); 0: no bound; "
-                       "the limit of a viscosity that varies is that at the shear rate U/h of the scene",
-                       "[0, inf)", &viscous->ratio));
-  viscous->choice = (ViscousSolver)solver;
+  stepper->viscous.choice = VISCOUS_AUTO;
+  stepper->viscous.ratio  = VISCOUS_RATIO;
+  PetscCall(OptionsRead(PetscOptionsObject, options, "StepperSetFromOptions", &stepper->viscous));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,19 +23,24 @@ typedef struct {
   PetscReal  lattice_sum; /* sum V W on a full lattice, 1 */
 } Compressible;
 
-static PetscErrorCode SetFromOptions(Stepper stepper, OptionItems PetscOptionsObject)
-{
-  Compressible *s = (Compressible *)stepper->scheme;
+static const OptionRow options[] = {
+  CONSISTENT_ROWS,
+  {"-sound_speed", "Artificial speed of sound; 0: from the scene's velocity", "m/s", "[0, inf)", ROW_REAL,
+   offsetof(Compressible, speed)},
+  {"-sound_mach", "The scene's velocity over the speed of sound", "1", "(0, 1]", ROW_REAL,
+   offsetof(Compressible, mach)},
+  {"-sound_cfl", "(Speed of sound + largest speed) times time step over h", "1", "(0, 2]", ROW_REAL,
+   offsetof(Compressible, cfl)},
+  {"-density_diffusion", "Delta of the diffusion delta h c lap rho of the density", "1", "[0, 1]", ROW_REAL,
+   offsetof(Compressible, diffusion)},
+  {.name = NULL},
+};
 
+static PetscErrorCode SetUp(void *owner)
+{
   PetscFunctionBegin;
-  PetscCall(ConsistentSetFromOptions(stepper, PetscOptionsObject));
-  TimeStepDefaults(&stepper->limits); /* no larger limits are known for this scheme */
-  PetscCall(
-    OptionReal("-sound_speed", "artificial speed of sound (m/s); 0: from the scene's velocity", "[0, inf)", &s->speed));
-  PetscCall(OptionReal("-sound_mach", "the scene's velocity over the speed of sound (1)", "(0, 1]", &s->mach));
-  PetscCall(OptionReal("-sound_cfl", "(speed of sound + largest speed) times time step over h (1)", "(0, 2]", &s->cfl));
-  PetscCall(OptionReal("-density_diffusion", "delta of the diffusion delta h c lap rho of the density (1)", "[0, 1]",
-                       &s->diffusion));
+  PetscCall(ConsistentSetUp(owner));
+  TimeStepDefaults(&((Stepper)owner)->limits); /* no larger limits are known for this scheme */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -209,25 +214,25 @@ static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *res
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SchemeCreate_WeaklyCompressible(Stepper stepper)
+static PetscErrorCode Create(Stepper stepper)
 {
-  Compressible *s;
+  Compressible *s = (Compressible *)stepper->scheme;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&s));
   s->base.project = Project;
   s->mach         = 0.1;
   s->cfl          = 0.4;
   s->diffusion    = 0.1;
-  stepper->scheme = s;
-  stepper->ops    = (SchemeOps){.setfromoptions = SetFromOptions,
-                                .check          = Check,
-                                .view           = View,
-                                .bound          = Bound,
-                                .step           = ConsistentStep,
-                                .destroy        = SchemeDestroyData};
   PetscCall(ConsistentDefaults(stepper));
   stepper->relaxation_ratio = RELAXATION_RATIO;
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+const SchemeOps SchemeWeaklyCompressible = {.choice = {SCHEME_WEAKLY_COMPRESSIBLE, sizeof(Compressible), options, NULL,
+                                                       SetUp},
+                                            .create = Create,
+                                            .check  = Check,
+                                            .view   = View,
+                                            .bound  = Bound,
+                                            .step   = ConsistentStep};

@@ -287,8 +287,9 @@ static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
 }
 
 /* Tabulates w1(s) of W^H, for the part of phi from a wall. */
-static PetscErrorCode TabulateWall(Tension tension)
+static PetscErrorCode TabulateWall(void *owner)
 {
+  Tension         tension = (Tension)owner;
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
@@ -297,30 +298,22 @@ static PetscErrorCode TabulateWall(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
-{
-  const char *const densities[] = {"rest", "summed"};
-  PetscInt          density     = tension->summed;
+static const char *const Densities[] = {"rest", "summed", NULL};
 
-  PetscFunctionBegin;
-  PetscCall(OptionReal("-tension_calibration",
-                       "kappa/(sigma H) (1); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "(0, inf)",
-                       &tension->calibration));
-  PetscCall(OptionReal("-tension_band", "distance from the surface within which tension is evaluated, over 2H (1)",
-                       "(0, 2]", &tension->band));
-  PetscCall(PetscOptionsEList(
-    "-tension_density",
-    "density in phi and in the force of the stress: summed is Eq. (4), rest keeps the packing's noise out of the force",
-    "TensionSetFromOptions", densities, 2, densities[density], &density, NULL));
-  tension->summed = (PetscBool)density;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const OptionRow options[] = {
+  {"-tension_calibration", "kappa/(sigma H); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "1", "(0, inf)",
+   ROW_REAL, offsetof(struct _p_Tension, calibration)},
+  {"-tension_band", "Distance from the surface within which tension is evaluated, over 2H", "1", "(0, 2]", ROW_REAL,
+   offsetof(struct _p_Tension, band)},
+  {"-tension_density",
+   "Density in phi and in the force of the stress: summed is Eq. (4), rest keeps the packing's noise out of the force",
+   NULL, NULL, ROW_WORD, offsetof(struct _p_Tension, summed), .words = Densities},
+  {.name = NULL},
+};
 
-PetscErrorCode TensionCreate_CahnHilliard(Tension tension)
-{
-  PetscFunctionBegin;
-  tension->setfromoptions = SetFromOptions;
-  tension->setup          = TabulateWall;
-  tension->apply          = TensionApply_CahnHilliard;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const TensionModel TensionCahnHilliard = {
+  .choice     = {TENSION_CAHN_HILLIARD, 0, options, NULL, TabulateWall},
+  .apply      = TensionApply_CahnHilliard,
+  .step_limit = STEP_LIMIT_PLAIN,
+  .step_most  = STEP_LIMIT_PLAIN,
+};

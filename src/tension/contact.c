@@ -79,34 +79,43 @@ PetscErrorCode ContactDestroy(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+typedef struct {
+  PetscReal angle, hysteresis; /* degrees */
+} GivenAngles;
+
+static const OptionRow angles[] = {
+  {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box", "degrees",
+   "(0, 180)", ROW_REAL, offsetof(GivenAngles, angle)},
+  {"-wall_contact_hysteresis",
+   "Advancing angle less receding angle, around the contact angle; between them contact lines do not move", "degrees",
+   "[0, 180)", ROW_REAL, offsetof(GivenAngles, hysteresis)},
+  {.name = NULL},
+};
+
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  PetscReal common = 90, hysteresis = 0;
+  GivenAngles all = {90, 0};
 
   PetscFunctionBegin;
   PetscCall(LineSetFromOptions(tension, PetscOptionsObject));
-  PetscCall(OptionReal("-wall_contact_angle",
-                       "angle in the liquid at which the free surface meets the walls of the box (degrees)", "(0, 180)",
-                       &common));
-  PetscCall(OptionReal(
-    "-wall_contact_hysteresis",
-    "advancing angle less receding angle, around the contact angle; between them contact lines do not move (degrees)",
-    "[0, 180)", &hysteresis));
+  PetscCall(OptionsRead(PetscOptionsObject, angles, "TensionSetFromOptions", &all));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
-    const PetscInt d = f / 2, side = f % 2;
-    char           option[64];
-    PetscReal      angle = common;
+    const PetscInt  d = f / 2, side = f % 2;
+    char            option[OPTION_NAME_LENGTH];
+    const OptionRow one[] = {{option, "Contact angle of this wall, if it differs", "degrees", "(0, 180)", ROW_REAL, 0},
+                             {.name = NULL}};
+    PetscReal       angle = all.angle;
 
     PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
-    PetscCall(OptionReal(option, "contact angle of this wall, if it differs (degrees)", "(0, 180)", &angle));
-    PetscCheckUser(angle == common || tension->face[d][side] == FACE_WALL, tension->comm,
+    PetscCall(OptionsRead(PetscOptionsObject, one, "TensionSetFromOptions", &angle));
+    PetscCheckUser(angle == all.angle || tension->face[d][side] == FACE_WALL, tension->comm,
                    "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
     PetscCheckUser(
-      0.5 * hysteresis < PetscMin(angle, 180 - angle), tension->comm,
+      0.5 * all.hysteresis < PetscMin(angle, 180 - angle), tension->comm,
       "-wall_contact_hysteresis %g: half of it below and half above the contact angle, %g, must be in (0, 180)",
-      (double)hysteresis, (double)angle);
-    tension->contact[d][side] = FromDegrees(angle, hysteresis);
-    if (tension->face[d][side] == FACE_WALL && hysteresis > 0) tension->hysteresis = PETSC_TRUE;
+      (double)all.hysteresis, (double)angle);
+    tension->contact[d][side] = FromDegrees(angle, all.hysteresis);
+    if (tension->face[d][side] == FACE_WALL && all.hysteresis > 0) tension->hysteresis = PETSC_TRUE;
     if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].image_tilt != 0) tension->tilted = PETSC_TRUE;
   }
   for (PetscInt s = 0; s < tension->solid.count; s++)

@@ -42,8 +42,9 @@
 #define STEP_MOST 4
 
 /* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
-static PetscErrorCode CurvatureSetUp(Tension tension)
+static PetscErrorCode CurvatureSetUp(void *owner)
 {
+  Tension         tension = (Tension)owner;
   const PetscReal support = KernelSupport(tension->kernel);
   PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
   const PetscReal dr = support / WALL_TABLE;
@@ -672,29 +673,26 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+static const OptionRow options[] = {
+  {"-tension_sheets", "Surface tension of sheets and threads too thin for a normal", NULL, NULL, ROW_BOOL,
+   offsetof(struct _p_Tension, sheets)},
+  {"-tension_sharpening", "Factor of the deconvolution that sharpens the curvature; 0: none", "1", "[0, 4]", ROW_REAL,
+   offsetof(struct _p_Tension, sharpening)},
+  {.name = NULL},
+};
+
+static PetscErrorCode ReadMore(Tension tension, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsBool("-tension_sheets", "surface tension of sheets and threads too thin for a normal",
-                             "TensionSetFromOptions", tension->sheets, &tension->sheets, NULL));
-  PetscCall(OptionReal("-tension_sharpening", "factor of the deconvolution that sharpens the curvature (1); 0: none",
-                       "[0, 4]", &tension->sharpening));
-  if (tension->rings || HelpWanted())
-    PetscCall(OptionReal("-tension_slender",
-                         "radius of a ring in flight, over that of its section, above which it counts as a row of "
-                         "drops without a pull towards the axis (1); 0: no ring does",
-                         "[0, inf)", &tension->slender));
+  PetscCall(LooseSetFromOptions(tension, PetscOptionsObject));
   PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TensionCreate_Curvature(Tension tension)
-{
-  PetscFunctionBegin;
-  tension->setfromoptions = SetFromOptions;
-  tension->setup          = CurvatureSetUp;
-  tension->apply          = TensionApply_Curvature;
-  tension->step_limit     = STEP_LIMIT;
-  tension->step_most      = STEP_MOST;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+const TensionModel TensionCurvature = {
+  .choice     = {TENSION_CURVATURE, 0, options, NULL, CurvatureSetUp},
+  .more       = ReadMore,
+  .apply      = TensionApply_Curvature,
+  .step_limit = STEP_LIMIT,
+  .step_most  = STEP_MOST,
+};

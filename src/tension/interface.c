@@ -38,7 +38,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscInt bits, PetscRea
   tension->also  = also;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  PetscCall(tension->apply(tension, cloud));
+  PetscCall(tension->model->apply(tension, cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,6 +23,22 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
   return PETSC_FALSE;
 }
 
+static const OptionRow slender[] = {
+  {"-tension_slender",
+   "Radius of a ring in flight, over that of its section, above which it counts as a row of drops without a pull "
+   "towards the axis; 0: no ring does",
+   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Tension, slender)},
+  {.name = NULL},
+};
+
+PetscErrorCode LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(OptionsReadIf(PetscOptionsObject, tension->rings, "-dimension axisymmetric", slender,
+                          "TensionSetFromOptions", tension));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode LooseFind(Tension tension, Cloud cloud)
 {
   PetscReal *least;

@@ -28,7 +28,7 @@
 #define BISECTIONS 60
 
 typedef enum { LAW_STATIC, LAW_COX_VOINOV, LAW_KISTLER } Law;
-static const char *const Laws[] = {"static", "cox_voinov", "kistler"};
+static const char *const Laws[] = {"static", "cox_voinov", "kistler", NULL};
 
 /* The inverse of Hoffman's function. */
 static PetscReal Hoffman(PetscReal angle)
@@ -53,6 +53,17 @@ static PetscReal CoxSlope(PetscReal x)
   return x > 0 ? (x - PetscSinReal(x) * PetscCosReal(x)) / (2 * PetscSinReal(x)) : 0;
 }
 
+static const OptionRow law[] = {
+  {"-wall_contact_law", "Angle of a contact line that moves, on walls and solids: as at rest, or by its speed", NULL,
+   NULL, ROW_WORD, offsetof(MovingLine, law), .words = Laws},
+  {.name = NULL},
+};
+static const OptionRow slip[] = {
+  {"-wall_contact_slip", "Slip length of -wall_contact_law cox_voinov: 1e-9 is molecular; a rough wall has more", "m",
+   "(0, inf)", ROW_REAL, offsetof(MovingLine, slip)},
+  {.name = NULL},
+};
+
 PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   MovingLine     *line = &tension->line;
@@ -61,13 +72,9 @@ PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObjec
   PetscFunctionBegin;
   line->law  = LAW_STATIC;
   line->slip = SLIP;
-  PetscCall(OptionWord("-wall_contact_law",
-                       "angle of a contact line that moves, on walls and solids: as at rest, or by its speed",
-                       LAW_KISTLER + 1, Laws, &line->law));
-  if (line->law == LAW_COX_VOINOV || HelpWanted())
-    PetscCall(OptionReal("-wall_contact_slip",
-                         "slip length of -wall_contact_law cox_voinov (m): 1e-9 is molecular; a rough wall has more",
-                         "(0, inf)", &line->slip));
+  PetscCall(OptionsRead(PetscOptionsObject, law, "TensionSetFromOptions", line));
+  PetscCall(OptionsReadIf(PetscOptionsObject, (PetscBool)(line->law == LAW_COX_VOINOV), "-wall_contact_law cox_voinov",
+                          slip, "TensionSetFromOptions", line));
   line->x[0] = 0;
   for (PetscInt k = 1; k <= LINE_TABLE; k++)
     line->x[k] = line->law == LAW_KISTLER

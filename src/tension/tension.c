@@ -1,44 +1,19 @@
 /* The class Tension: the registered models, their common options and tables. */
 #include "tension_impl.h"
 
-#define SLENDER    5    /* default of -tension_slender: see loose.c */
-#define STEP_LIMIT 0.25 /* with twice this limit a capillary wave of cahn_hilliard grows */
+#define SLENDER 5 /* default of -tension_slender: see loose.c */
 
-static PetscFunctionList TensionList = NULL;
+static const TensionModel None = {.choice     = {.name = TENSION_NONE},
+                                  .step_limit = STEP_LIMIT_PLAIN,
+                                  .step_most  = STEP_LIMIT_PLAIN};
 
-static PetscErrorCode TensionFinalizePackage(void)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFunctionListDestroy(&TensionList));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TensionCreate_None(Tension tension)
-{
-  PetscFunctionBegin;
-  tension->setfromoptions = NULL;
-  tension->setup          = NULL;
-  tension->apply          = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TensionRegisterAll(void)
-{
-  PetscFunctionBegin;
-  if (TensionList) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscRegisterFinalize(TensionFinalizePackage));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CAHN_HILLIARD, TensionCreate_CahnHilliard));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_CURVATURE, TensionCreate_Curvature));
-  PetscCall(PetscFunctionListAdd(&TensionList, TENSION_NONE, TensionCreate_None));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const Choice *const Models[] = {&TensionCahnHilliard.choice, &TensionCurvature.choice, &None.choice, NULL};
 
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension)
 {
   Tension t;
 
   PetscFunctionBegin;
-  PetscCall(TensionRegisterAll());
   PetscCall(PetscNew(&t));
   t->comm        = domain->comm;
   t->dim         = domain->dim;
@@ -61,6 +36,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
   PetscCall(ContactCreate(t, domain, scene));
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
+  t->model = &TensionCurvature;
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->core));
   t->smoothing = KernelSmoothingLength(kernel);
@@ -68,49 +44,52 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A TypeReader of tension models: sets the model's functions and reads its options. */
-static PetscErrorCode ReadModel(void *object, const char type[])
+/* A ChoiceReader: sets the model and reads its options. */
+static PetscErrorCode ReadModel(void *object, const Choice *choice)
 {
   Tension tension = (Tension)object;
-  PetscErrorCode (*create)(Tension);
-  char names[NAMES_LENGTH], title[128];
+  char    title[128];
 
   PetscFunctionBegin;
-  PetscCall(ListNames(TensionList, names));
-  PetscCall(PetscFunctionListFind(TensionList, type, &create));
-  PetscCheckUser(create, tension->comm, "-tension_type %s does not exist; choose from %s", type, names);
-  tension->step_limit = tension->step_most = STEP_LIMIT;
-  PetscCall(create(tension));
-  if (tension->setfromoptions) {
-    PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", type));
-    PetscOptionsBegin(tension->comm, NULL, title, "Tension");
-    PetscCall(tension->setfromoptions(tension, PetscOptionsObject));
-    PetscOptionsEnd();
-  }
+  tension->model = (const TensionModel *)choice;
+  if (!choice->options) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", choice->name));
+  PetscOptionsBegin(tension->comm, NULL, title, "Tension");
+  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "TensionSetFromOptions", tension));
+  if (tension->model->more) PetscCall(tension->model->more(tension, PetscOptionsObject));
+  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const OptionRow options[] = {
+  {"-tension_type", "Surface tension model", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Tension, type),
+   .choices = Models},
+  {"-tension_ratio", "Smoothing length H of the tension over h; the paper has 2.5", "1", "[1, 4]", ROW_REAL,
+   offsetof(struct _p_Tension, ratio)},
+  {.name = NULL},
+};
+
 PetscErrorCode TensionSetFromOptions(Tension tension)
 {
+  const Choice *choice;
+
   PetscFunctionBegin;
   PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
-  PetscCall(PetscOptionsFList("-tension_type", "surface tension model", "TensionSetFromOptions", TensionList,
-                              tension->type, tension->type, sizeof(tension->type), NULL));
-  PetscCall(OptionReal("-tension_ratio", "smoothing length H of the tension over h (1); the paper has 2.5", "[1, 4]",
-                       &tension->ratio));
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, tension));
   PetscOptionsEnd();
-  PetscCall(ReadTypeOptions(TensionList, tension->type, ReadModel, tension));
-  if (!tension->apply) tension->active = PETSC_FALSE;
+  PetscCall(ChoiceFind(tension->comm, Models, "-tension_type", tension->type, &choice));
+  PetscCall(ChoicesRead(Models, "-tension_type", NULL, choice, OptionsAll(), ReadModel, tension));
+  if (!tension->model->apply) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
   PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
-  if (tension->active && tension->setup) PetscCall(tension->setup(tension));
+  if (tension->active && choice->setup) PetscCall(choice->setup(tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most)
 {
-  *limit = tension->step_limit;
-  *most  = tension->step_most;
+  *limit = tension->model->step_limit;
+  *most  = tension->model->step_most;
 }
 
 PetscBool TensionOnSurface(Tension tension)
@@ -132,7 +111,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
-  PetscCall(tension->interface ? InterfaceApply(tension, cloud) : tension->apply(tension, cloud));
+  PetscCall(tension->interface ? InterfaceApply(tension, cloud) : tension->model->apply(tension, cloud));
   if (TensionOnSurface(tension)) MarangoniAdd(cloud);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

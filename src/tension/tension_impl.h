@@ -40,7 +40,7 @@ typedef struct {
 
 /* Contact lines that move, moving_line.c. */
 typedef struct {
-  PetscInt         law;               /* of the angle; 0: as at rest */
+  int              law;               /* of the angle; 0: as at rest */
   PetscReal        slip;              /* m */
   PetscReal        x[LINE_TABLE + 1]; /* X over the angle */
   const PetscReal *of;                /* [n_total] borrowed: FIELD_LINE of the cloud */
@@ -81,22 +81,29 @@ typedef struct {
   SortedCells dummies; /* particles of all solids */
 } SolidContact;
 
-struct _p_Tension {
-  MPI_Comm  comm;
-  PetscBool active; /* the scene has tension and the model is not none */
-  PetscInt  dim;
-  PetscBool rings, weighted; /* the cloud's weights are not all 1 */
-  PetscReal size, size_most; /* of the particle being summed, 1; largest of all */
-  char      type[64];
-  PetscReal step_limit, step_most; /* see TensionStepLimits */
-  /* The model's options, tables and work of TensionApply. May be NULL. */
-  PetscErrorCode (*setfromoptions)(Tension, OptionItems);
-  PetscErrorCode (*setup)(Tension);
+/* A model: its options, which are read into the tension, its tables and the work of TensionApply. Members may be NULL.
+ */
+typedef struct {
+  Choice choice;
+  PetscErrorCode (*more)(Tension, OptionItems); /* reads options that are not in the table */
   PetscErrorCode (*apply)(Tension, Cloud);
+  PetscReal step_limit, step_most; /* see TensionStepLimits */
+} TensionModel;
 
-  PetscReal spacing, smoothing, ratio; /* d0, h (m); H/h */
-  Kernel    kernel;                    /* W^H */
-  Kernel    core;                      /* with smoothing length SHEET_CORE H: sheet.c */
+extern const TensionModel TensionCahnHilliard, TensionCurvature;
+#define STEP_LIMIT_PLAIN 0.25 /* with twice this limit a capillary wave of cahn_hilliard grows */
+
+struct _p_Tension {
+  MPI_Comm            comm;
+  PetscBool           active; /* the scene has tension and the model is not none */
+  PetscInt            dim;
+  PetscBool           rings, weighted; /* the cloud's weights are not all 1 */
+  PetscReal           size, size_most; /* of the particle being summed, 1; largest of all */
+  char                type[OPTION_WORD_LENGTH];
+  const TensionModel *model;
+  PetscReal           spacing, smoothing, ratio; /* d0, h (m); H/h */
+  Kernel              kernel;                    /* W^H */
+  Kernel              core;                      /* with smoothing length SHEET_CORE H: sheet.c */
   /* Each level of sizes of graded particles (CloudLevel) has its own cells; else there is one level. */
   PetscInt        levels;
   PetscReal       largest[SIZE_LEVELS];          /* largest size in the level, 1 */
@@ -256,7 +263,9 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
 
 /* LooseFind - sets tension->loose from the rings' positions and neighbours. Collective. LooseHas - whether ring a is
    loose; false for other particles. Not collective. */
-PetscErrorCode          LooseFind(Tension tension, Cloud cloud);
+PetscErrorCode LooseFind(Tension tension, Cloud cloud);
+/* LooseSetFromOptions - reads -tension_slender. Collective. */
+PetscErrorCode          LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
 static inline PetscBool LooseHas(Tension tension, PetscInt a)
 {
   return (PetscBool)(tension->loose && tension->loose[a]);
@@ -277,7 +286,5 @@ PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
    part of a particle's own S. The liquid stays sorted. Collective. */
 PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[]);
 /* The constructors of the models set tension's functions. */
-PetscErrorCode TensionCreate_CahnHilliard(Tension tension);
-PetscErrorCode TensionCreate_Curvature(Tension tension);
 
 #endif

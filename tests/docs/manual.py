@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""options/manual.py: the manual page names every option of options/README.md and is sound roff; the completion finds
+"""options/manual.py: the manual page names every option of options/options.json and is sound roff; the completion finds
 names, values and files."""
+import json
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -18,12 +18,11 @@ def output(*command):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
 
 
-with open(os.path.join(runs.ROOT, "options", "README.md"), encoding="utf-8") as file:
-    rows = [line for line in file.read().split("<!-- options -->")[1].splitlines() if line.startswith("| `-")]
+with open(os.path.join(runs.ROOT, "options", "options.json"), encoding="utf-8") as file:
+    names = [option["name"] for option in json.load(file)["options"]]
 page = output(sys.executable, TOOL)
-missing = [name for row in rows for name in re.findall(r"-[\w<>]+", row.split("|")[1])
-           if name.replace("-", "\\-") not in page]
-runs.check(len(rows) > 100 and not missing, "manual_names_every_option", f"{len(rows)} rows, without {missing}")
+missing = [name for name in names if name.replace("-", "\\-") not in page]
+runs.check(len(names) > 100 and not missing, "manual_names_every_option", f"{len(names)} rows, without {missing}")
 path = runs.scratch("isph.1")
 with open(path, "w", encoding="utf-8") as file:
     file.write(page)

@@ -6,6 +6,7 @@ non-zero code; none crashes, hangs, takes much memory, or runs with an option th
 
 Without arguments a short part, as in make test. The last lines tell how many ran and how many were refused."""
 import argparse
+import json
 import os
 import random
 import re
@@ -144,11 +145,15 @@ def attempt(arguments, folder):
 
 
 def known(scenes, folder):
-    """The names of all options, from -help and the run's own list."""
-    names = set()
+    """The names of the options of scenes."""
+    names, path = set(), os.path.join(folder, "known.json")
     for scene in scenes:
-        text = attempt(shlex.split(scene) + ["-help"], folder)[2]
-        names.update(re.findall(r"(?<![\w-])-[A-Za-z][A-Za-z0-9_]*", text))
+        attempt(shlex.split(scene) + ["-options_json", path], folder)
+        words = shlex.split(scene)
+        bodies = words[words.index("-bodies") + 1].split(",")
+        with open(path, encoding="utf-8") as file:
+            for option in json.load(file)["options"]:
+                names.update(option["name"].replace("<body>", body) for body in bodies)
     return names
 
 

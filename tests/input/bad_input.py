@@ -198,7 +198,7 @@ def scenes():
     refused("text_in_vector", GOOD + "-box_lower 0,x,0", ["x", "-box_lower"])
     refused("fraction_for_whole", GOOD + "-steps_max 1.5", ["1.5", "-steps_max"])
     refused("snapshot_field", GOOD + "-snapshot_fields pressure,speed", ["-snapshot_fields", "speed", "velocity"])
-    refused("snapshot_corner_short", GOOD + "-snapshot_lower 0", ["-snapshot_lower", "1 numbers"])
+    refused("snapshot_corner_short", GOOD + "-snapshot_lower 0", ["-snapshot_lower", "three numbers"])
     refused("snapshot_region_outside", GOOD + "-snapshot_lower 1e3,1e3,1e3 -snapshot_upper 2e3,2e3,2e3",
             ["-snapshot_upper"])
     refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
@@ -332,7 +332,7 @@ def folders():
                         ("-tension_type cahn_hilliard", "-tension_type cahn_hilliard"),
                         ("-solids b -b_upper 1,1,1 -b_velocity 1,0,0", "a solid that moves")):
         refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
-    for name, meant in (("-spacing_follow edges", "choose from none surface curvature"),
+    for name, meant in (("-spacing_follow edges", "choose from none, surface, curvature"),
                         ("-spacing_follow surface", "-spacing_coarse (m) is missing"),
                         ("-spacing_follow surface -spacing_coarse 2 -spacing_curvature 0", "[1, 100]"),
                         ("-spacing_follow surface -spacing_coarse 2 -particles_most -1", "[0, inf)")):

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Every option of options/*.opts and cases/*/*.opts is one of options/README.md, which tests/docs/options.py compares
-with ./isph -help, or PETSc's; one of a body, solid or region has the name of one that the scene or its case names. The
-constants that removed options became are where the program says.
+"""Every option of options/*.opts and cases/*/*.opts is one of options/options.json, which tests/docs/options.py
+compares with what the program writes, or PETSc's; one of a body, solid or region has the name of one that the scene or
+its case names. The constants that removed options became are where the program says.
 LINT_ROOT: another tree, for a test of the test."""
 import glob
+import json
 import os
 import re
 import sys
@@ -26,13 +27,12 @@ def lines(path):
     return re.findall(r"^[ \t]*-([A-Za-z_]\w*)[ \t]*(.*?)[ \t]*$", text, re.M)
 
 
-known = set()
-for row in read(os.path.join(ROOT, "options", "README.md")).split("<!-- options -->")[1].splitlines():
-    if row.startswith("| `-"):
-        known |= set(re.findall(r"`-([\w<>]+)`", row.split("|")[1]))
-tails = {name[len("<body>"):] for name in known if name.startswith("<body>")}
+with open(os.path.join(ROOT, "options", "options.json"), encoding="utf-8") as rows:
+    options = json.load(rows)["options"]
+known = {option["name"][1:] for option in options}
+tails = {option["name"][len("-<body>"):] for option in options if option["owner"]}
 files = sorted(glob.glob(os.path.join(ROOT, "cases/*/*.opts")) + glob.glob(os.path.join(ROOT, "options/*.opts")))
-bad = [] if known and files else ["options/README.md lists no options, or there are no files of them"]
+bad = [] if known and files else ["options/options.json lists no options, or there are no files of them"]
 for path in files:
     named, case = set(), os.path.join(os.path.dirname(path), "case.opts")
     if not os.path.exists(case):  # a preset is for every scene, some are for the main case

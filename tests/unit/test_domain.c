@@ -66,7 +66,7 @@ static PetscErrorCode TestOptions(void)
 static PetscErrorCode TestRefusals(void)
 {
   PetscFunctionBegin;
-  PetscCall(Refused("-dimension 4294967298 -spacing 0.1 -box_lower 0,0 -box_upper 1,1", 0.1, "choose from 2 3",
+  PetscCall(Refused("-dimension 4294967298 -spacing 0.1 -box_lower 0,0 -box_upper 1,1", 0.1, "choose from 2, 3",
                     "refuse_wrapped"));
   PetscCall(Refused("-box_lower 0,0,0 -box_upper 1,1,1", 0.1, "-spacing is missing", "refuse_no_spacing"));
   PetscCall(Refused(CUBE "-spacing 0", 0.1, "-spacing", "refuse_spacing_zero"));
@@ -84,7 +84,7 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-box_upper 1,1,1,1", 0.1, "-box_upper", "refuse_four_numbers"));
   PetscCall(Refused(CUBE "-box_upper 1,nan,1", 0.1, "finite", "refuse_box_nan"));
   PetscCall(Refused(CUBE "-box_upper 1,-1,1", 0.1, "in y", "refuse_empty_box"));
-  PetscCall(Refused(CUBE "-box_x wal", 0.1, "wal does not exist; choose from open periodic", "refuse_face_type"));
+  PetscCall(Refused(CUBE "-box_x wal", 0.1, "wal does not exist; choose from open, periodic", "refuse_face_type"));
   PetscCall(Refused(CUBE "-box_xmin periodic", 0.1, "opposite", "refuse_lone_periodic"));
   PetscCall(Refused(CUBE "-box_xmin_velocity 0,1,0", 0.1, "only a wall", "refuse_velocity_of_open_face"));
   PetscCall(Refused(CUBE "-box_x wall -box_xmax_velocity 1,1,0", 0.1, "tangential", "refuse_normal_velocity"));

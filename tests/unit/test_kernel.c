@@ -6,9 +6,6 @@
 #define POINTS  20000 /* of the quadratures */
 #define SAMPLES 200   /* radii at which a derivative is compared */
 
-static PetscInt     count; /* of all types, and their names */
-static const char **types;
-
 static PetscReal W(Kernel kernel, PetscReal r)
 {
   const PetscReal r2 = r * r;
@@ -225,13 +222,13 @@ static PetscErrorCode TestKnownValues(void)
   PetscCall(Make(KERNEL_CUBIC_SPLINE, 2, 1.3, &kernel));
   CHECK_CLOSE(KernelSelf(kernel), 10 / (7 * PETSC_PI * 1.69), 1e-14, "cubic_2d_center");
   PetscCall(KernelDestroy(&kernel));
-  for (PetscInt t = 0; t < count; t++)
+  for (const Choice *const *t = Kernels; *t; t++)
     for (PetscInt dim = 2; dim <= 3; dim++) {
       char name[96];
 
-      PetscCall(Make(types[t], dim, 2, &kernel)); /* wide: lattice sums are integrals but for little */
+      PetscCall(Make((*t)->name, dim, 2, &kernel)); /* wide: lattice sums are integrals but for little */
       LatticeSums(kernel, dim, &sum, &neighbors, &moment);
-      PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%dd_wide_lattice", types[t], (int)dim));
+      PetscCall(PetscSNPrintf(name, sizeof(name), "%s_%dd_wide_lattice", (*t)->name, (int)dim));
       CHECK(PetscAbsReal(sum - 1) < 2e-3 && PetscAbsReal(moment - 1) < 5e-3, name);
       PetscCall(KernelDestroy(&kernel));
     }
@@ -257,13 +254,10 @@ static PetscErrorCode TestOptions(void)
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
-  PetscCall(KernelTypes(&count, &types));
-  CHECK(count >= 3, "types");
-  for (PetscInt t = 0; t < count; t++)
-    for (PetscInt dim = 2; dim <= 3; dim++) PetscCall(TestType(types[t], dim));
+  for (const Choice *const *t = Kernels; *t; t++)
+    for (PetscInt dim = 2; dim <= 3; dim++) PetscCall(TestType((*t)->name, dim));
   PetscCall(TestKnownValues());
   PetscCall(TestOptions());
-  PetscCall(PetscFree(types));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }

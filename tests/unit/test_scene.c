@@ -432,41 +432,38 @@ static PetscErrorCode TestRefusals(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static char   help[65536]; /* what -help printed */
-static size_t help_length;
-
-static PetscErrorCode KeepHelp(MPI_Comm comm, const char format[], ...)
-{
-  va_list arguments;
-
-  PetscFunctionBegin;
-  va_start(arguments, format);
-  help_length += (size_t)vsnprintf(help + help_length, sizeof(help) - help_length, format, arguments);
-  va_end(arguments);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* -help lists the options of all bodies and of each shape, velocity field and type, without a scene. */
+/* The options of all bodies and of each shape, velocity field and type are noted without a scene, with the choice that
+   each belongs to. */
 static PetscErrorCode TestHelp(void)
 {
-  static const char *const options[] = {
-    "density",  "velocity",   "upper",       "radius",        "height",        "radii",       "normal",
-    "file",     "scale",      "wave_length", "rotation_rate", "strain_center", "strain_rate", "taylor_green_wavelength",
-    "interval", "modulation", "count"};
-  PetscErrorCode (*const printer)(MPI_Comm, const char[], ...) = PetscHelpPrintf;
+  static const char *const options[][2] = {{"density", ""},
+                                           {"velocity", ""},
+                                           {"upper", "-<body>_shape box"},
+                                           {"radius", "-<body>_shape sphere"},
+                                           {"height", "-<body>_shape cylinder"},
+                                           {"radii", "-<body>_shape ellipsoid"},
+                                           {"normal", "-<body>_shape half_space"},
+                                           {"file", "-<body>_shape stl"},
+                                           {"scale", "-<body>_shape stl"},
+                                           {"strain_center", "-<body>_velocity_type strain"},
+                                           {"taylor_green_wavelength", "-<body>_velocity_type taylor_green"},
+                                           {"yield_stress", "-<body>_viscosity_model herschel_bulkley"},
+                                           {"interval", "-<body>_type emitter"},
+                                           {"modulation", "-<body>_type emitter"}};
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsSetValue(NULL, "-help", NULL));
-  PetscHelpPrintf = KeepHelp;
+  PetscCall(OptionsForget());
+  PetscCall(PetscOptionsSetValue(NULL, LIST_OPTION, "list.json"));
   PetscCall(SceneHelp(PETSC_COMM_WORLD));
-  PetscHelpPrintf = printer;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
-    char option[64], name[64];
+    char              option[64], name[64];
+    const OptionNote *note;
 
-    PetscCall(PetscSNPrintf(option, sizeof(option), "  -<body>_%s <", options[k]));
-    PetscCall(PetscSNPrintf(name, sizeof(name), "help_%s", options[k]));
-    CHECK(strstr(help, option), name);
+    PetscCall(PetscSNPrintf(option, sizeof(option), "-<body>_%s", options[k][0]));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "noted_%s", options[k][0]));
+    note = OptionFind(option);
+    CHECK(note && note->read && !strcmp(note->owner, "<body>") && !strcmp(note->choice, options[k][1]), name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,7 +43,7 @@ static PetscErrorCode Error(const char options[], State state, PetscReal dt, Pet
     arrays.real[FIELD_VELOCITY][DIM * a] = state == EXPANSION ? 10 * x[0] : 0;
   }
   PetscCall(ParticlesClose(s.particles, &arrays));
-  PetscCall(stepper->ops.step(stepper, dt, &trial));
+  PetscCall(stepper->ops->step(stepper, dt, &trial));
   *error = 0;
   for (PetscInt a = 0; a < s.cloud->n_owned; a++) {
     const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a, p = s.cloud->field[FIELD_PRESSURE][a];

@@ -214,7 +214,7 @@ static PetscErrorCode CheckSpeeds(const char options[], const char label[])
   PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
   PetscCall(StepperSetFromOptions(stepper));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_VELOCITY_JUMP][a] = -1;
-  PetscCall(stepper->ops.step(stepper, 1e-4, &trial));
+  PetscCall(stepper->ops->step(stepper, 1e-4, &trial));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) unknown += s.cloud->field[FIELD_VELOCITY_JUMP][a] < 0;
   CHECK_CLOSE(SetupSum(unknown), 0, 0, label);
   PetscCall(StepperDestroy(&stepper));

@@ -1,0 +1,464 @@
+/* Tables of options: reading, and the notes of what was read. */
+#include "json.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct {
+  PetscInt    n, capacity;
+  OptionNote *note; /* [n] */
+  const char *choice;
+} Notes = {.choice = ""}; /* choice: to which what is read now belongs */
+
+/* --- the notes --- */
+
+const OptionNote *OptionsNoted(PetscInt *count)
+{
+  *count = Notes.n;
+  return Notes.note;
+}
+
+PetscErrorCode OptionsForget(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < Notes.n; k++) PetscCall(PetscFree(Notes.note[k].text));
+  PetscCall(PetscFree(Notes.note));
+  Notes.n = Notes.capacity = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The note of a name, and of a choice if that is not NULL. */
+static OptionNote *Find(const char name[], const char choice[])
+{
+  for (PetscInt k = 0; k < Notes.n; k++)
+    if (!strcmp(Notes.note[k].name, name) && (!choice || !strcmp(Notes.note[k].choice, choice))) return &Notes.note[k];
+  return NULL;
+}
+
+const OptionNote *OptionFind(const char name[])
+{
+  return Find(name, NULL);
+}
+
+static void TellNumbers(PetscInt count, const PetscReal value[], char text[OPTION_TEXT_LENGTH])
+{
+  text[0] = 0;
+  for (PetscInt k = 0; k < count; k++)
+    (void)snprintf(text + strlen(text), OPTION_TEXT_LENGTH - strlen(text), "%s%.9g", k ? "," : "", (double)value[k]);
+}
+
+/* The value of a row as the user would write it. */
+static void Tell(const OptionRow *row, const void *data, char text[OPTION_TEXT_LENGTH])
+{
+  const void          *value   = (const char *)data + row->offset;
+  const OptionNumbers *numbers = (const OptionNumbers *)value;
+  const OptionList    *list    = (const OptionList *)value;
+  const PetscReal     *v       = (const PetscReal *)value;
+
+  text[0] = 0;
+  switch (row->kind) {
+  case ROW_REAL:
+    TellNumbers(1, v, text);
+    break;
+  case ROW_INT:
+    (void)snprintf(text, OPTION_TEXT_LENGTH, "%" PetscInt_FMT, *(const PetscInt *)value);
+    break;
+  case ROW_BOOL:
+    (void)snprintf(text, OPTION_TEXT_LENGTH, "%s", *(const PetscBool *)value ? "true" : "false");
+    break;
+  case ROW_WORD:
+    (void)snprintf(text, OPTION_TEXT_LENGTH, "%s", row->words[*(const int *)value]);
+    break;
+  case ROW_CHOICE:
+  case ROW_TEXT:
+  case ROW_FILE: /* the path comes first */
+    (void)snprintf(text, OPTION_TEXT_LENGTH, "%s", (const char *)value);
+    break;
+  case ROW_NUMBERS:
+    TellNumbers(numbers->count, numbers->value, text);
+    break;
+  case ROW_NAMES:
+    for (PetscInt k = 0; k < list->count; k++)
+      (void)snprintf(text + strlen(text), OPTION_TEXT_LENGTH - strlen(text), "%s%s", k ? "," : "", list->text[k]);
+    break;
+  case ROW_AXIS:
+  case ROW_NORMAL:
+    for (PetscInt d = 0; d < DIM; d++)
+      if (v[d] == 1) (void)snprintf(text, OPTION_TEXT_LENGTH, "%c", "xyz"[d]);
+    if (text[0]) break; /* fall through */
+  case ROW_POINT:
+  case ROW_DIRECTION:
+    TellNumbers(DIM, v, text);
+    break;
+  }
+}
+
+/* Notes an option. value: as given, or NULL. What is read replaces what was noted before. */
+static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char title[], const char place[],
+                           PetscBool read, const char value[], const char standard[])
+{
+  char        name[OPTION_NAME_LENGTH];
+  const char *texts[6];
+  size_t      length[6], all = 0;
+  OptionNote *note;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", prefix ? prefix : "", row->name + 1));
+  note = Find(name, OptionsAll() ? Notes.choice : NULL); /* choices may share a name */
+  if (note && !read) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Notes.capacity) PetscCall(PetscRegisterFinalize(OptionsForget));
+  if (!note && Notes.n == Notes.capacity) {
+    Notes.capacity = 2 * Notes.capacity + 256;
+    PetscCall(PetscRealloc((size_t)Notes.capacity * sizeof(*Notes.note), &Notes.note));
+  }
+  if (note) PetscCall(PetscFree(note->text));
+  if (!note) note = &Notes.note[Notes.n++];
+  *note    = (OptionNote){.row = *row, .place = place, .read = read, .given = (PetscBool)(value != NULL)};
+  texts[0] = name;
+  texts[1] = prefix ? prefix : "";
+  texts[2] = title ? title : "";
+  texts[3] = Notes.choice;
+  texts[4] = value ? value : standard;
+  texts[5] = standard;
+  for (int k = 0; k < 6; k++) all += length[k] = strlen(texts[k]) + 1;
+  PetscCall(PetscMalloc1(all, &note->text));
+  for (size_t k = 0, at = 0; k < 6; at += length[k++]) {
+    const char **const field[] = {&note->name,   &note->owner, &note->title,
+                                  &note->choice, &note->value, &note->standard};
+
+    PetscCall(PetscArraycpy(note->text + at, texts[k], length[k]));
+    if (k == 1 && length[1] > 1) note->text[at + length[1] - 2] = 0; /* the underscore */
+    *field[k] = note->text + at;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- reading --- */
+
+PetscBool OptionsAll(void)
+{
+  PetscBool help = PETSC_FALSE, dump = PETSC_FALSE, list = PETSC_FALSE;
+
+  (void)PetscOptionsHasHelp(NULL, &help);
+  (void)PetscOptionsHasName(NULL, NULL, DUMP_OPTION, &dump);
+  (void)PetscOptionsHasName(NULL, NULL, LIST_OPTION, &list);
+  return (PetscBool)(list || (help && !dump));
+}
+
+static PetscErrorCode Words(const OptionRow *row, char list[NAMES_LENGTH])
+{
+  PetscFunctionBegin;
+  list[0] = 0;
+  for (PetscInt k = 0; row->words && row->words[k]; k++) {
+    if (k) PetscCall(PetscStrlcat(list, ", ", NAMES_LENGTH));
+    PetscCall(PetscStrlcat(list, row->words[k], NAMES_LENGTH));
+  }
+  for (PetscInt k = 0; row->choices && row->choices[k]; k++) {
+    if (k) PetscCall(PetscStrlcat(list, ", ", NAMES_LENGTH));
+    PetscCall(PetscStrlcat(list, row->choices[k]->name, NAMES_LENGTH));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionHelp(const OptionRow *row, char help[NAMES_LENGTH])
+{
+  const int       first    = (int)strcspn(row->text, ";"); /* the unit belongs to what comes before */
+  const PetscBool required = (PetscBool)(row->fallback && !strcmp(row->fallback, OPTION_REQUIRED));
+  char            list[NAMES_LENGTH], unit[OPTION_WORD_LENGTH] = "";
+
+  PetscFunctionBegin;
+  PetscCall(Words(row, list));
+  if (row->unit) (void)snprintf(unit, sizeof(unit), " (%s)", row->unit);
+  (void)snprintf(help, NAMES_LENGTH, "%.*s%s%s%s%s%s%s%s%.900s", first, row->text, unit, row->text + first,
+                 row->interval ? ", in " : "", row->interval ? row->interval : "",
+                 required        ? ", "
+                 : row->fallback ? "; default: "
+                                 : "",
+                 row->fallback ? row->fallback : "", list[0] ? " (one of) " : "", list);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether x lies in the interval, a text like "[low, high)"; NaN lies in none. */
+static PetscBool Inside(const char interval[], PetscReal x)
+{
+  double low, high;
+  char   opens, closes;
+
+  if (sscanf(interval, "%c%lf, %lf%c", &opens, &low, &high, &closes) != 4) return PETSC_FALSE;
+  return (PetscBool)((opens == '[' ? x >= low : x > low) && (closes == ']' ? x <= high : x < high));
+}
+
+/* One option that is being read. */
+typedef struct {
+  OptionItems      items;
+  const OptionRow *row;
+  const char      *prefix, *place;
+  char             help[NAMES_LENGTH], given[OPTION_TEXT_LENGTH]; /* the text that the user gave */
+  PetscBool        set;
+  void            *value;
+} Reading;
+
+static PetscErrorCode ReadReal(Reading *r, OptionItems PetscOptionsObject)
+{
+  PetscReal *value = (PetscReal *)r->value;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsReal(r->row->name, r->help, r->place, *value, value, NULL));
+  PetscCheckUser(!r->set || !r->row->interval || Inside(r->row->interval, *value), PetscOptionsObject->comm,
+                 "-%s%s is %g; it must lie in %s", r->prefix, r->row->name + 1, (double)*value, r->row->interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses an integer that does not fit PetscInt, which PETSc would truncate. */
+static PetscErrorCode ReadInt(Reading *r, OptionItems PetscOptionsObject)
+{
+  const char     *interval = r->row->interval;
+  PetscInt       *value    = (PetscInt *)r->value;
+  char           *end;
+  const long long number = strtoll(r->given, &end, 10);
+
+  PetscFunctionBegin;
+  PetscCheckUser(!r->set || *end || (number >= PETSC_MIN_INT && number <= PETSC_MAX_INT), PetscOptionsObject->comm,
+                 "-%s%s is %s; it must lie in %s and have at most %d bits", r->prefix, r->row->name + 1, r->given,
+                 interval, (int)(8 * sizeof(PetscInt)));
+  PetscCall(PetscOptionsInt(r->row->name, r->help, r->place, *value, value, NULL));
+  PetscCheckUser(!r->set || Inside(interval, (PetscReal)*value), PetscOptionsObject->comm,
+                 "-%s%s is %" PetscInt_FMT "; it must lie in %s", r->prefix, r->row->name + 1, *value, interval);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads a text for PETSc's help, with the default that the row tells. */
+static PetscErrorCode ReadText(Reading *r, OptionItems PetscOptionsObject, const char standard[], char text[],
+                               size_t length)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsString(r->row->name, r->help, r->place, standard, text, length, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadWord(Reading *r, OptionItems PetscOptionsObject)
+{
+  int      *value                    = (int *)r->value, k;
+  char      word[OPTION_WORD_LENGTH] = "", list[NAMES_LENGTH];
+  PetscBool same                     = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(Words(r->row, list));
+  PetscCall(ReadText(r, PetscOptionsObject, r->row->words[*value], word, sizeof(word)));
+  for (k = 0; r->set && r->row->words[k]; k++) {
+    PetscCall(PetscStrcasecmp(word, r->row->words[k], &same));
+    if (same) break;
+  }
+  PetscCheckUser(!r->set || same, PetscOptionsObject->comm, "-%s%s %s does not exist; choose from %s", r->prefix,
+                 r->row->name + 1, r->given, list);
+  if (r->set) *value = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadChoice(Reading *r, OptionItems PetscOptionsObject)
+{
+  char          name[OPTION_NAME_LENGTH], *value = (char *)r->value;
+  const Choice *choice;
+
+  PetscFunctionBegin;
+  PetscCall(ReadText(r, PetscOptionsObject, value, value, OPTION_WORD_LENGTH));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", r->prefix, r->row->name + 1));
+  PetscCall(ChoiceFind(PetscOptionsObject->comm, r->row->choices, name, value, &choice));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNumbers(Reading *r, OptionItems PetscOptionsObject)
+{
+  OptionNumbers *numbers = (OptionNumbers *)r->value;
+  PetscInt       count   = r->row->most ? r->row->most : OPTION_NUMBERS_MOST;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsRealArray(r->row->name, r->help, r->place, numbers->value, &count, NULL));
+  if (r->set) numbers->count = count;
+  for (PetscInt k = 0; k < numbers->count; k++)
+    PetscCheckUser(!PetscIsInfOrNanReal(numbers->value[k]), PetscOptionsObject->comm, "-%s%s must have finite numbers",
+                   r->prefix, r->row->name + 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNames(Reading *r, OptionItems PetscOptionsObject)
+{
+  OptionList *list  = (OptionList *)r->value;
+  PetscInt    count = r->row->most ? r->row->most : OPTION_NUMBERS_MOST;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsStringArray(r->row->name, r->help, r->place, list->text, &count, NULL));
+  if (r->set) list->count = count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Read(Reading *r, OptionItems PetscOptionsObject)
+{
+  PetscBool *flag = (PetscBool *)r->value;
+
+  PetscFunctionBegin;
+  switch (r->row->kind) {
+  case ROW_REAL:
+    PetscCall(ReadReal(r, PetscOptionsObject));
+    break;
+  case ROW_INT:
+    PetscCall(ReadInt(r, PetscOptionsObject));
+    break;
+  case ROW_BOOL:
+    PetscCall(PetscOptionsBool(r->row->name, r->help, r->place, *flag, flag, NULL));
+    break;
+  case ROW_WORD:
+    PetscCall(ReadWord(r, PetscOptionsObject));
+    break;
+  case ROW_CHOICE:
+    PetscCall(ReadChoice(r, PetscOptionsObject));
+    break;
+  case ROW_TEXT:
+  case ROW_FILE: /* the path comes first */
+    PetscCall(ReadText(r, PetscOptionsObject, (char *)r->value, (char *)r->value, PETSC_MAX_PATH_LEN));
+    break;
+  case ROW_NUMBERS:
+    PetscCall(ReadNumbers(r, PetscOptionsObject));
+    break;
+  case ROW_NAMES:
+    PetscCall(ReadNames(r, PetscOptionsObject));
+    break;
+  default:
+    SETERRQ(PetscOptionsObject->comm, PETSC_ERR_PLIB, "%s is a vector, which is not read here", r->row->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionsReadVectors(OptionItems items, const OptionRow rows[], const char place[], void *data,
+                                  OptionVector vector, void *context)
+{
+  PetscFunctionBegin;
+  for (const OptionRow *row = rows; row && row->name; row++) {
+    Reading r = {.items = items, .row = row, .place = place, .value = (char *)data + row->offset};
+    char    standard[OPTION_TEXT_LENGTH];
+
+    r.prefix = items->prefix ? items->prefix : "";
+    PetscCall(OptionHelp(row, r.help));
+    Tell(row, data, standard);
+    PetscCall(PetscOptionsGetString(items->options, items->prefix, row->name, r.given, sizeof(r.given), &r.set));
+    if (row->kind >= ROW_POINT && vector)
+      PetscCall((*vector)(context, items, row, r.help, place, (PetscReal *)r.value));
+    else
+      PetscCall(Read(&r, items));
+    PetscCall(Note(row, items->prefix, items->title, place, PETSC_TRUE, r.set ? r.given : NULL, standard));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionsRead(OptionItems items, const OptionRow rows[], const char place[], void *data)
+{
+  return OptionsReadVectors(items, rows, place, data, NULL, NULL);
+}
+
+PetscErrorCode OptionsNote(const char prefix[], const char why[], const OptionRow rows[])
+{
+  const char *before = Notes.choice;
+
+  PetscFunctionBegin;
+  Notes.choice = why;
+  for (const OptionRow *row = rows; row && row->name; row++)
+    PetscCall(Note(row, prefix, NULL, NULL, PETSC_FALSE, NULL, ""));
+  Notes.choice = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OptionsReadIf(OptionItems items, PetscBool applies, const char why[], const OptionRow rows[],
+                             const char place[], void *data)
+{
+  const char *before = Notes.choice;
+
+  PetscFunctionBegin;
+  if (!applies) Notes.choice = why;
+  if (applies || OptionsAll())
+    PetscCall(OptionsRead(items, rows, place, data));
+  else
+    PetscCall(OptionsNote(items->prefix, why, rows));
+  Notes.choice = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- choices --- */
+
+PetscErrorCode ChoiceFind(MPI_Comm comm, const Choice *const choices[], const char option[], const char name[],
+                          const Choice **choice)
+{
+  const OptionRow row = {.choices = choices};
+  char            list[NAMES_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(Words(&row, list));
+  for (*choice = *choices; *choice && strcmp((*choice)->name, name); choices++) *choice = choices[1];
+  PetscCheckUser(*choice, comm, "%s %s does not exist; choose from %s", option, name, list);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ChoicesRead(const Choice *const choices[], const char option[], const char prefix[],
+                           const Choice *chosen, PetscBool all, ChoiceReader reader, void *object)
+{
+  char text[OPTION_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0, last = 0; !last; k++) {
+    const Choice *choice = choices[k] ? choices[k] : chosen;
+
+    last = !choices[k];
+    PetscCall(PetscSNPrintf(text, sizeof(text), "%s %s", option, choice->name));
+    Notes.choice = text;
+    if (last || all)
+      PetscCall((*reader)(object, choice));
+    else if (choice != chosen)
+      PetscCall(OptionsNote(prefix, text, choice->options));
+  }
+  Notes.choice = "";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* --- as data --- */
+
+static const char *const KindNames[] = {"real",    "int",   "bool",  "word",      "choice", "text",  "file",
+                                        "numbers", "names", "point", "direction", "axis",   "normal"};
+
+static void WriteWords(Json *json, const OptionRow *row)
+{
+  JsonArray(json, "values");
+  for (PetscInt k = 0; row->words && row->words[k]; k++) JsonText(json, NULL, row->words[k]);
+  for (PetscInt k = 0; row->choices && row->choices[k]; k++) JsonText(json, NULL, row->choices[k]->name);
+  JsonEnd(json);
+}
+
+PetscErrorCode OptionsJson(Json *json, PetscBool scene)
+{
+  PetscFunctionBegin;
+  JsonArray(json, "options");
+  for (PetscInt k = 0; k < Notes.n; k++) {
+    const OptionNote *note = &Notes.note[k];
+
+    if (scene ? !note->read : note->owner[0] && note->owner[0] != '<') continue;
+    JsonObject(json, NULL);
+    JsonText(json, "name", note->name);
+    JsonText(json, "owner", note->owner);
+    JsonText(json, "kind", KindNames[note->row.kind]);
+    if (scene) {
+      JsonText(json, "value", note->value);
+      JsonBool(json, "given", note->given);
+    } else {
+      JsonText(json, "meaning", note->row.text);
+      JsonText(json, "unit", note->row.unit);
+      JsonText(json, "range", note->row.interval);
+      if (note->row.words || note->row.choices) WriteWords(json, &note->row);
+      JsonText(json, "default", note->row.fallback ? note->row.fallback : note->standard);
+      JsonText(json, "choice", note->choice);
+      JsonText(json, "group", note->title);
+      JsonText(json, "place", note->place);
+    }
+    JsonEnd(json);
+  }
+  JsonEnd(json);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
