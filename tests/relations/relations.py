@@ -262,6 +262,9 @@ def turn(t):
     """A scene turned by a right angle; in space each axis becomes the next one."""
     if t.scene.rings:
         raise Unfit("rings have one axis")
+    walls = {letter for (letter, _), kind in t.scene.faces().items() if kind == "wall"}
+    if len(walls) > 1 and any("contact_angle" in name for name in t.scene.options):
+        raise Unfit("not cured: where two walls meet, images with a contact angle follow the order of the axes")
     return moved(t, [[0, -1], [1, 0]] if t.scene.dim == 2 else [[0, 0, 1], [1, 0, 0], [0, 1, 0]], np.zeros(3))
 
 

@@ -25,15 +25,6 @@ def apart(one, other):
     return np.abs(one[0][:n] - other[0][:n]).max() / one[0].max()
 
 
-def bodies():
-    """Two bodies of one liquid are one body."""
-    one = energies(SPLASH + FILM, "one")
-    halves = "-bodies left,drop,right " + "".join(
-        f"-{name}_lower {low},0 -{name}_upper {high},0.5 -{name}_tension 2 -{name}_viscosity 1 "
-        for name, low, high in (("left", -1, 0), ("right", 0, 1)))
-    runs.check_below(apart(one, energies(SPLASH + halves, "two")), 1e-5, "a film of two bodies is a film")
-
-
 def hysteresis():
     """A contact angle without hysteresis is one with a hysteresis of 0; one of 90 degrees is none."""
     wet = SPLASH + FILM + "-wall_contact_angle 70 "
@@ -104,8 +95,7 @@ def sound():
         runs.check_below(apart(default, slow), 0.03, f"the weakly compressible scheme is the default one, {name}")
 
 
-PARTS = {part.__name__: part for part in (bodies, hysteresis, interface, solid, halves, rings, viscosity, graded,
-                                          sound)}
+PARTS = {part.__name__: part for part in (hysteresis, interface, solid, halves, rings, viscosity, graded, sound)}
 for chosen in runs.parts(*PARTS):
     PARTS[chosen]()
 runs.done()
