@@ -98,7 +98,7 @@ def check(folder):
     series = rundata.read_series(folder)
     speed = rundata.reference_speed(folder)
     reference = rundata.read_reference(speed)
-    spacing = 1e3 * rundata.number(rundata.read_options(folder)["spacing"])  # mm
+    spacing = 1e3 * rundata.read_scene(folder)["domain"]["spacing"]  # mm
     fine, middle = bool(reference["time"]) and spacing < 0.2501, bool(reference["time"]) and spacing < 0.5001
 
     def judge(name, run, wanted, tolerance, unit, factor=1.0, judged=fine, make=physics.relative):

@@ -3,7 +3,7 @@
 
     figures.py RUN_FOLDER [MORE_RUN_FOLDERS] [--labels TEXT ...] [--times MS ...] [--quarter] [--only 1|2]
 
-Reads series.csv, options.opts and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
+Reads series.csv, scene.json and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
 The other runs appear in figure 2 only, which has a column for each impact speed. Needs Debian's python3-h5py,
 python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
@@ -50,15 +50,14 @@ def choose(found, times):
     return sorted(set(nearest))
 
 
-def read_snapshot(path, options, quarter):
+def read_snapshot(path, mirrors, quarter):
     """The liquid of a snapshot over the whole box: surface.Liquid."""
     with h5py.File(path, "r") as file:
         points = np.array(file["position"], float)
         body = np.array(file["body" if "body" in file else "color"]).ravel()
-        spacing = first(file.attrs["spacing"]) if "spacing" in file.attrs else float(options["spacing"])
+        spacing = first(file.attrs["spacing"])
         level = np.nan_to_num(first(file.attrs["level"])) if "level" in file.attrs else 0.0
-        corners = [np.ravel(file.attrs[name]) if name in file.attrs else rundata.vector(options, name)
-                   for name in ("box_lower", "box_upper")]
+        corners = [np.ravel(file.attrs[name]) for name in ("box_lower", "box_upper")]
         if "axisymmetric" in file.attrs and first(file.attrs["axisymmetric"]):
             if "volume" not in file:
                 raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
@@ -70,11 +69,9 @@ def read_snapshot(path, options, quarter):
     if points.ndim != 2 or points.shape[1] != 3:
         raise rundata.RunError(f"{path} is not of a run in three dimensions.")
     points = points[liquid]
-    lower, upper = (np.array(c, float) if len(c) == 3 else None for c in corners)
-    if lower is None or upper is None:
-        lower, upper = (spacing * np.round(end / spacing) for end in (points.min(axis=0), points.max(axis=0)))
-    for axis, side in enumerate(("box_xmin", "box_ymin")):
-        if quarter or options.get(side) == "symmetry":
+    lower, upper = (np.array(corner, float) for corner in corners)
+    for axis, side in enumerate(("xmin", "ymin")):
+        if quarter or side in mirrors:
             mirror = np.ones(3)
             mirror[axis] = -1
             shift = np.zeros(3)
@@ -108,12 +105,13 @@ def figure_1(folder, times, quarter, path):
     found = snapshots(folder)
     if not found:
         raise rundata.RunError(f"{folder} holds no readable snapshot_*.h5.")
-    options, chosen = rundata.read_options(folder), choose(found, times)
+    faces, chosen = rundata.read_scene(folder)["domain"]["faces"], choose(found, times)
+    mirrors = [face["name"] for face in faces if face["type"] == "symmetry"]
     rows = len(chosen)
     figure, axes = plt.subplots(rows, 3, figsize=(12.6, 0.35 + 2.9 * rows), squeeze=False,
                                 gridspec_kw=dict(wspace=0.03, hspace=0.04))
     for row, (time, file) in zip(axes, chosen):
-        liquid = read_snapshot(file, options, quarter)
+        liquid = read_snapshot(file, mirrors, quarter)
         row[0].imshow(surface.picture(liquid, EYE, PANEL), interpolation="antialiased")
         above = ABOVE["height"] * 1e3 / 2
         wide = above * PANEL[0] / PANEL[1]
@@ -188,7 +186,7 @@ def main():
     parser.add_argument("--labels", nargs="+", metavar="TEXT", help="names of the runs in figure 2")
     parser.add_argument("--times", type=float, nargs="+", metavar="MS", help="moments of figure 1, ms after contact")
     parser.add_argument("--quarter", action="store_true", help="the run is a quarter, cut at x = 0 and y = 0 (found "
-                        "by itself if options.opts says so)")
+                        "by itself if scene.json says so)")
     parser.add_argument("--only", choices=("1", "2"), help="make this figure only")
     arguments = parser.parse_args()
     for folder in arguments.folders:

@@ -5,8 +5,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "src", "pictures"))
-from tables import (RunError, number, polite, read_options, read_series, read_table,  # noqa: E402,F401
-                    vector)
+from tables import RunError, polite, read_scene, read_series, read_table  # noqa: E402,F401
 
 REFERENCES = {3.13: "reference", 2.42: "reference_242"}  # m/s: the first part of the file's name
 GRAVITY = 9.81  # m/s2
@@ -18,19 +17,20 @@ def read_reference(speed, kind=""):
     return {"time": []} if speed is None else read_table(os.path.join(HERE, REFERENCES[speed] + kind + ".csv"))
 
 
-def impact_speed(options):
-    """Speed (m/s) at which the drop of a run reaches the level z = 0; NaN if the options do not tell."""
-    velocity, center = vector(options, "drop_velocity"), vector(options, "drop_center")
-    radius = number(options.get("drop_radius"))
-    if len(velocity) < 2 or len(center) < 2 or math.isnan(radius):
+def impact_speed(scene):
+    """Speed (m/s) at which the drop of a run reaches the level z = 0; NaN if the scene has no drop."""
+    drop = next((body for body in scene["bodies"]
+                 if body["name"] == "drop" and body["shape"]["type"] == "sphere"), None)
+    if not drop:
         return math.nan
-    return math.sqrt(velocity[-1] ** 2 + 2 * GRAVITY * max(0.0, center[-1] - radius))  # of rings there are two numbers
+    fall = drop["shape"]["numbers"]["center"][-1] - drop["shape"]["numbers"]["radius"]
+    return math.sqrt(drop["velocity"][-1] ** 2 + 2 * GRAVITY * max(0.0, fall))  # of rings there are two numbers
 
 
 def reference_speed(folder):
-    """The speed in REFERENCES that is the run's, as far as its options tell (3.13 if they do not); None if there is
+    """The speed in REFERENCES that is the run's, as far as its scene tells (3.13 if it does not); None if there is
     none."""
-    speed = impact_speed(read_options(folder))
+    speed = impact_speed(read_scene(folder))
     if math.isnan(speed):
         return 3.13
     return next((known for known in REFERENCES if abs(speed - known) < 0.01 * known), None)

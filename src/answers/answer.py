@@ -4,12 +4,13 @@
     answer.py SCENE.opts --quantity COLUMN:TAKE[,...] [--accuracy 5] [--budget 600] [--jobs N] [--output FOLDER]
     make answer SCENE=my.opts QUANTITY=crater_depth:max ACCURACY=5 BUDGET=600
 
-A scene in three dimensions that is a body of revolution is computed as rings, one with mirrors as a half or a quarter
-(reduce.py). COLUMN is one of series.csv, TAKE one of max, min, end, time_of_max, at=TIME, mean=TIME,TIME (SI units). It
-begins at coarse spacings, goes finer, and stops when the error of every quantity is at most ACCURACY per cent of it,
-or when the next spacing would cost more than what is left of BUDGET (seconds of one core, all runs together). Prints
-value, error by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with
-pictures. A run that is there already, by the same command, is not run again.
+A scene that is a body of revolution is computed as rings, one with mirrors as a half or a quarter, if its columns can
+be carried back (reduce.py) and if the whole scene at a coarse spacing gives the same (prove). COLUMN is one of
+series.csv, TAKE one of max, min, end, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). It begins at
+coarse spacings, goes finer, and stops when the error of every quantity is at most ACCURACY per cent of it, or when the
+next spacing would cost more than what is left of BUDGET (seconds of one core, all runs together). Prints value, error
+by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with pictures. A
+run that is there already, by the same command, is not run again.
 """
 import argparse
 import html
@@ -19,6 +20,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
+import columns  # noqa: E402
 import ladder  # noqa: E402
 import launch  # noqa: E402
 import quantity  # noqa: E402
@@ -31,6 +33,12 @@ FINEST = 6  # the last is the scene's over RATIO**FINEST
 GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
 PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost, by the clock; s
 CHEAP = ((5, 0.05), (3, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
+SMALL_CHANCE = 0.25  # of the accuracy: then one packing a spacing is enough
+ACROSS = 8  # spacings across the smallest body, at which whole and reduced scene are compared
+PROOF = 0.1  # of the budget, for the whole scene there
+ALIKE = 0.1  # relative difference of two models at a coarse spacing that is not the model's
+PAIR = 2  # packings of each
+LEAST_SHARE = 0.05  # of the run, that the comparison must reach
 
 
 class Answer:
@@ -41,10 +49,12 @@ class Answer:
         self.scene, self.quantities, self.arguments, self.more = scene, quantities, arguments, list(options)
         self.folder = arguments.output
         os.makedirs(self.folder, exist_ok=True)
-        self.options = launch.dumped(scene, self.folder, self.more)
-        self.spacing = float(self.options["-spacing"])
-        self.seed = int(float(self.options.get("-packing_seed", 1)))
-        self.rungs, self.notes, self.spent, self.model = [], [], 0.0, ""
+        known = launch.known(scene, *self.more)
+        self.spacing, self.seed = known["domain"]["spacing"], seed_of(known)
+        if not all(q.row for q in quantities):
+            for q in quantities:
+                q.find(known["columns"])
+        self.rungs, self.notes, self.spent, self.model, self.doubt = [], [], 0.0, "", ""
 
     def run(self, spacing, seeds):
         """The runs at a spacing that ended well."""
@@ -84,6 +94,13 @@ class Answer:
     def enough(self, verdicts):
         return all(v.bar <= self.arguments.accuracy / 100 * abs(v.value) for v in verdicts)
 
+    def sure(self, verdicts):
+        """Whether one packing at the next spacing is enough: chance, as if of one packing, is small."""
+        count = len(self.rungs[-1][1])
+        return len(self.rungs) > 1 and all(
+            v.chance * math.sqrt(count) <= SMALL_CHANCE * self.arguments.accuracy / 100 * abs(v.value)
+            for v in verdicts)
+
     def more_packings(self, verdicts):
         """Whether chance is the larger error, and packings at this spacing are cheaper than a finer spacing."""
         spacing, runs = self.rungs[-1]
@@ -100,7 +117,8 @@ class Answer:
             cost = self.guess(spacing)
             if self.rungs and self.spent + cost > budget:
                 return verdicts, f"the next spacing, {spacing:.3g} m, would cost some {cost:.0f} s"
-            count = 3 if not self.rungs else next((n for n, share in CHEAP if n * cost <= share * budget), 1)
+            count = 3 if not self.rungs else 1 if self.sure(verdicts) else next(
+                (n for n, share in CHEAP if n * cost <= share * budget), 1)
             good = self.run(spacing, range(self.seed, self.seed + count))
             step += 1
             if not good:
@@ -131,31 +149,112 @@ class Answer:
         print(f"{spacing:.3g} m, {len(runs)} packings, {self.spent:.0f} s so far: {values}", flush=True)
 
 
-def finest(scene, folder):
-    """The options of the finest run, at which the model must hold."""
-    os.makedirs(folder, exist_ok=True)
-    return ["-spacing", f"{float(launch.dumped(scene, folder)['-spacing']) * RATIO**-FINEST:.6g}"]
+def seed_of(known):
+    return next((int(float(option["value"])) for option in known["options"]
+                 if option["name"].lstrip("-") == "packing_seed"), 1)
 
 
-def model(scene, folder):
-    """(path of the cheapest model of a scene, what it is): the reduced scene, or the scene itself."""
-    try:
-        text, why = reduce.text(scene, finest(scene, folder))
-    except tables.RunError as error:
-        return scene, f"the scene as it is: {error}"
-    path = os.path.join(folder, "reduced.opts")
+def write(path, way, scene):
     with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
-    return path, why
+        file.write(reduce.text(scene, way))
+    return path
 
 
-def confidence(verdict, accuracy):
-    """In words."""
+class Proof:
+    """The whole scene beside its reduced ones, at a coarse spacing and for a time that is cheap. spent: processor s."""
+
+    def __init__(self, scene, quantities, arguments, known):
+        self.scene, self.quantities, self.arguments, self.known = scene, quantities, arguments, known
+        across = min((body["spacings"] for body in known["bodies"]), default=ACROSS)
+        self.spacing = known["domain"]["spacing"] * min(max(1, across / ACROSS), RATIO**COARSEST)
+        self.start, self.end, self.spent, self.whole = known["time_start"], known["time_end"], 0.0, None
+
+    def runs(self, scene, name, end):
+        """The runs of a scene that ended well, with PAIR packings, until 'end' (s)."""
+        seed, last = seed_of(self.known), ["-time_end", f"{end:.9g}"] if end is not None else []
+        made = [launch.Run(scene, ["-spacing", f"{self.spacing:.6g}", "-packing_seed", str(seed + k), *last],
+                           os.path.join(self.arguments.output, "proof", f"{name}_{seed + k}"),
+                           self.arguments.budget) for k in range(PAIR)]
+        launch.together(made, self.arguments.jobs)
+        self.spent += sum(run.cpu for run in made)
+        return [run for run in made if run.series], next((run.reason for run in made if run.reason), "")
+
+    def short(self, way, path):
+        """The time until which the whole scene is run: that of the scene, unless it costs more than PROOF of the
+        budget."""
+        made, why = self.runs(path, "reduced", self.end)
+        if not made or self.end is None:
+            return self.end, why and f"the reduced scene does not run at {self.spacing:.3g} m: {why}"
+        cost = PAIR * ladder.mean([run.cpu for run in made]) * max(1, way.cheaper)
+        share = min(1, PROOF * self.arguments.budget / max(cost, 1e-9))
+        if share < LEAST_SHARE:
+            return None, f"not proved: the whole scene would cost some {cost:.0f} s at {self.spacing:.3g} m"
+        return self.start + share * (self.end - self.start), ""
+
+    def judge(self, way, path):
+        """(whether the reduced scene gives what the whole does, in words)."""
+        end, why = self.short(way, path)
+        if why:
+            return None if why.startswith("not proved") else False, why
+        if self.whole is None or self.whole[1] != end:
+            self.whole = (*self.runs(self.scene, "whole", end)[:1], end)
+        (whole, _), (part, _) = self.whole, self.runs(path, "reduced", self.end)
+        if not whole:
+            return None, f"not proved: the whole scene does not run at {self.spacing:.3g} m"
+        until, said, good = math.inf if end is None else end, [], True
+        for q in self.quantities:
+            back, q.back = q.back, (q.row["name"], 1.0)
+            right = [q.of(run.series, until) for run in whole]
+            q.back = back
+            found = [q.of(run.series, until) for run in part]
+            off = abs(ladder.mean(right) - ladder.mean(found))
+            chance = math.hypot(*(2 * ladder.deviation(v) / math.sqrt(PAIR) for v in (right, found)))
+            alike = off <= math.hypot(chance, ALIKE * max(map(abs, right))) or not math.isfinite(off) and all(
+                math.isnan(v) for v in right + found)
+            good = good and alike
+            said.append(f"{q.text} {ladder.mean(right):.4g} and {ladder.mean(found):.4g} {q.unit()}")
+        words = f"whole and reduced {'agree' if good else 'differ'} at {self.spacing:.3g} m" + (
+            f" until {end:.3g} s" if end != self.end else "") + f": {', '.join(said)}"
+        return good, words
+
+
+def model(scene, quantities, arguments):
+    """(path of the cheapest model of a scene that gives what the whole does, what it is, processor s, doubt)."""
+    known = launch.known(scene)
+    for q in quantities:
+        q.find(known["columns"])
+    finest = ["-spacing", f"{known['domain']['spacing'] * RATIO**-FINEST:.6g}"]
+    path, notes, proof = os.path.join(arguments.output, "reduced.opts"), [], Proof(scene, quantities, arguments, known)
+    try:
+        for way, note in reduce.ways(scene, finest, [q.row["name"] for q in quantities]):
+            if not way:
+                notes.append(note)
+                continue
+            for q in quantities:
+                q.back = way.carry(q.row)
+            good, words = proof.judge(way, write(path, way, scene))
+            if good is not False:
+                words += "".join(f"; {q.text} is {q.back[1]:.4g} times {q.back[0]}" for q in quantities
+                                 if q.back[1] != 1)
+                more = f" ({'; '.join(notes)})" if notes else ""
+                return path, f"{way.why}; {words}{more}", proof.spent, "" if good else words
+            notes.append(f"{way.why.partition(';')[0].partition(':')[0]}: {words}")
+    except tables.RunError as error:
+        notes.append(str(error))
+    for q in quantities:
+        q.back = (q.row["name"], 1.0)
+    return scene, "the scene as it is" + (f": {'; '.join(notes)}" if notes else ""), proof.spent, ""
+
+
+def confidence(verdict, accuracy, doubt=""):
+    """In words. An order far above two is chance."""
+    if doubt:
+        return "fair: " + doubt
     if not math.isfinite(verdict.bar):
         return "none: too few runs"
     if verdict.bar > accuracy / 100 * abs(verdict.value):
         return "low: " + verdict.words
-    if verdict.order > 0.5 or "no more than packings" in verdict.words:
+    if 0.5 < verdict.order < 4 or "no more than packings" in verdict.words:
         return "good: " + verdict.words
     return "fair: " + verdict.words
 
@@ -167,14 +266,21 @@ def report(answer, verdicts, why):
         share = 100 * v.bar / abs(v.value) if v.value else math.inf
         met = "" if share <= answer.arguments.accuracy else f"not converged to {answer.arguments.accuracy:g} %: "
         lines.append(f"{q.text} = {met}{v.value:.5g} +- {v.bar:.2g} {q.unit()} ({share:.2g} %): {v.spacing:.2g} by the "
-                     f"spacing, {v.chance:.2g} by the packing. Confidence {confidence(v, answer.arguments.accuracy)}.")
+                     f"spacing, {v.chance:.2g} by the packing. Confidence "
+                     f"{confidence(v, answer.arguments.accuracy, answer.doubt)}.")
     spacing, runs = answer.rungs[-1]
+    lines += [f"Note: {said}." for q in answer.quantities for said in q.remarks(runs[0].series)]
     lines.append(f"Price: {answer.spent:.0f} s for {sum(len(r) for _, r in answer.rungs)} runs; the last took "
                  f"{runs[-1].cpu:.3g} s. {('It ended because ' + why + '.') if why else ''}".rstrip())
     lines.append(f"Model: {answer.model}")
     lines.append(f"The last run: {launch.text_of(answer.scene, runs[0].options)}")
     lines += [f"A run failed: {note}" for note in answer.notes]
     return lines
+
+
+def scaled(values, unit):
+    """Factor and unit with which values are handy numbers."""
+    return columns.prefixed(max((abs(v) for v in values if math.isfinite(v)), default=0), unit)
 
 
 def picture(answer, verdicts, path):
@@ -185,25 +291,29 @@ def picture(answer, verdicts, path):
     figure, axes = plt.subplots(len(answer.quantities), 2, figsize=(11, 3.6 * len(answer.quantities)), squeeze=False,
                                 constrained_layout=True)
     shades = plt.get_cmap("viridis")
+    every = [spacing for spacing, _ in answer.rungs]
+    wide, length = scaled(every, "m")
     for (left, right), q, v in zip(axes, answer.quantities, verdicts):
-        for k, (spacing, runs) in enumerate(answer.rungs):
-            color = shades(0.9 - 0.9 * k / max(1, len(answer.rungs) - 1))
-            for run in runs:
-                left.plot(run.series["time"], run.series[q.column], color=color, linewidth=0.9,
-                          label=f"{spacing:.3g} m" if run is runs[0] else None)
-            right.plot([spacing] * len(runs), [q.of(run.series) for run in runs], "o", color=color, markersize=4)
-        finest = answer.rungs[-1][0]
-        right.errorbar([0.93 * finest], [v.value], yerr=[v.bar if math.isfinite(v.bar) else 0], fmt="ks", capsize=5)
-        right.set(xscale="log", xlabel="spacing (m)", title=f"{q.text}: {v.value:.4g} +- {v.bar:.2g}")
-        left.set(xlabel="time (s)", ylabel=tables_label(q))
+        curves = [[q.curve(run.series) for run in runs] for _, runs in answer.rungs]
+        late, second = scaled([t[-1] for rung in curves for t, _ in rung], "s")
+        high, unit = scaled([y for rung in curves for _, line in rung for y in line], q.row["unit"])
+        big, of = scaled([v.value], q.unit())
+        for k, (spacing, rung) in enumerate(zip(every, curves)):
+            color = shades(0.9 - 0.9 * k / max(1, len(every) - 1))
+            for j, (t, y) in enumerate(rung):
+                left.plot(late * t, high * y, color=color, linewidth=0.9,
+                          label=f"{wide * spacing:.3g} {length}" if not j else None)
+            right.plot([wide * spacing] * len(rung), [big * q.of(run.series) for run in answer.rungs[k][1]], "o",
+                       color=color, markersize=4)
+        right.errorbar([0.93 * wide * every[-1]], [big * v.value], yerr=[big * v.bar if math.isfinite(v.bar) else 0],
+                       fmt="ks", capsize=5)
+        right.set(xscale="log", xlabel=f"spacing ({length})", ylabel=f"{q.text} ({of})" if of else q.text,
+                  title=f"{q.text}: {big * v.value:.4g} +- {big * v.bar:.2g} {of}")
+        words = columns.title(q.row)[0]
+        left.set(xlabel=f"time ({second})", ylabel=f"{words} ({unit})" if unit else words)
         left.legend(fontsize=7)
     figure.savefig(path, dpi=110)
     plt.close(figure)
-
-
-def tables_label(q):
-    unit = tables.UNITS.get(q.column)
-    return f"{q.column} ({unit})" if unit else q.column
 
 
 def page(answer, verdicts, lines, path):
@@ -240,11 +350,12 @@ def main():
     quantities = quantity.read(arguments.quantity)
     if not quantities:
         raise tables.RunError("QUANTITY names nothing: a column of series.csv is wanted, for instance highest:max.")
-    scene, words = (arguments.scene, "the scene as it is") if arguments.whole else model(arguments.scene,
-                                                                                        arguments.output)
-    print(f"Model: {words}")
+    os.makedirs(arguments.output, exist_ok=True)
+    scene, words, spent, doubt = (arguments.scene, "the scene as it is", 0, "") if arguments.whole else model(
+        arguments.scene, quantities, arguments)
+    print(f"Model: {words}", flush=True)
     answer = Answer(scene, quantities, arguments)
-    answer.model = words
+    answer.model, answer.spent, answer.doubt = words, spent, doubt
     verdicts, why = answer.climb()
     lines = report(answer, verdicts, why)
     print("\n" + "\n".join(lines))

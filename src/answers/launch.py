@@ -2,6 +2,7 @@
 import concurrent.futures
 import functools
 import hashlib
+import json
 import math
 import os
 import shutil
@@ -14,7 +15,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "pictures"))
 import tables  # noqa: E402
 
-KEPT = ("series.csv", "options.opts", "log.txt", "droplets.csv")  # of a run; the rest is not needed
+KEPT = ("series.csv", "scene.json", "options.opts", "log.txt", "droplets.csv")  # of a run; the rest is not needed
 
 
 def program():
@@ -57,28 +58,29 @@ def start(scene, options, timeout=math.inf):
     return process.returncode, last.replace("isph: error: ", ""), usage.ru_utime + usage.ru_stime
 
 
-def dumped(scene, folder, more=()):
-    """All options of a scene, {name: value}, as the program reads them; its sentence ends us if it refuses."""
-    path = os.path.join(folder, "dump.opts")
-    code, last, _ = start(scene, [*more, "-dump_options", path])
-    if code:
-        raise tables.RunError(last)
-    options = {}
-    with open(path, encoding="utf-8") as file:
-        for line in file:
-            words = line.split("#")[0].split(None, 1)
-            if words and words[0].startswith("-"):
-                options[words[0]] = words[1].strip() if len(words) > 1 else ""
-    return options
+@functools.lru_cache(maxsize=None)
+def known(scene, *more):
+    """What the program knows about a scene (scene.json) with further options; its sentence ends us if it refuses."""
+    with tempfile.TemporaryDirectory() as folder:
+        code, last, _ = start(scene, [*more, "-scene_json", os.path.join(folder, "scene.json")])
+        if code:
+            raise tables.RunError(last)
+        found = tables.read_scene(folder)
+    found["options"] = [option for option in found["options"] if option["name"] != "-scene_json"]
+    return found
 
 
 @functools.lru_cache(maxsize=None)
 def mark_of(scene):
-    """What tells two versions of a scene, or of the program, apart: all options, and the program's size and date."""
-    with tempfile.TemporaryDirectory() as folder:
-        options = sorted(dumped(scene, folder).items())
-    found = os.stat(program())
-    return hashlib.sha256(f"{options} {found.st_size} {found.st_mtime_ns}".encode()).hexdigest()[:16]
+    """What tells two versions of a scene, or of the program, apart: all that the program knows about it, the contents
+    of files that it reads, and the program itself."""
+    found = known(scene)
+    mark = hashlib.sha256(json.dumps(found, sort_keys=True).encode())
+    for path in [program()] + [option["value"] for option in found["options"] if option["kind"] == "file"]:
+        if os.path.isfile(path):
+            with open(path, "rb") as file:
+                mark.update(hashlib.sha256(file.read()).digest())
+    return mark.hexdigest()[:16]
 
 
 class Run:
@@ -101,7 +103,8 @@ class Run:
         except (OSError, ValueError, tables.RunError):
             pass
         code, last, self.cpu = start(self.scene, [*self.options, "-output_dir", self.folder, "-output_overwrite",
-                                           "-snapshot_interval", "0", "-checkpoint_interval", "0"], self.timeout)
+                                                  "-snapshot_interval", "0", "-checkpoint_interval", "0"],
+                                     self.timeout)
         if code:
             self.reason = last
             return self

@@ -7,52 +7,96 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import tables  # noqa: E402
 
-UNITS_OF_NAMES = {"m", "m2", "m3", "J", "N", "N/m", "Pa", "degrees"}
-TAKES = "max, min, end, time_of_max, at=TIME, mean=TIME,TIME"
+TIMES = {"max": 0, "min": 0, "end": 0, "time_of_max": 0, "at": 1, "mean": 2, "settles": 1}  # that a take needs
+TAKES = "max, min, end, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT"
+LAST, MOVED = 0.1, 0.01  # of the run, of the curve's range: an end that changes by more in it is not at rest
+START = 0.05  # of the run: an extreme pressure or force in it may be the packing's
 
 
 class Quantity:
-    """COLUMN:TAKE, for instance crater_depth:max, highest:at=10e-3 or force_zmin_z:mean=5e-3,10e-3."""
+    """COLUMN:TAKE, for instance crater_depth:max, highest:at=10e-3 or force_zmin_z:mean=5e-3,10e-3. settles=5 is the
+    time after which the curve stays within 5 % of its end. row: the column's of scene.json; back: the name of the
+    column of the runs and the factor that make it that of the scene."""
 
     def __init__(self, text):
         self.text = text
         self.column, _, take = text.partition(":")
         self.take, _, rest = (take or "end").partition("=")
         self.times = [tables.number(word) for word in rest.split(",")] if rest else []
-        wanted = {"max": 0, "min": 0, "end": 0, "time_of_max": 0, "at": 1, "mean": 2}.get(self.take)
+        self.row, self.back = None, (self.column, 1.0)
+        wanted = TIMES.get(self.take)
         if wanted is None or wanted != len(self.times) or not all(map(math.isfinite, self.times)):
             raise tables.RunError(f"QUANTITY={text}: behind the column and a colon stands one of {TAKES}.")
         if wanted == 2 and not self.times[0] < self.times[1]:
             raise tables.RunError(f"QUANTITY={text}: the mean needs an earlier and a later time.")
 
-    def unit(self):
-        """The unit (three dimensions); empty if it is not known."""
-        if self.take == "time_of_max":
-            return "s"
-        last = self.column.rpartition("_")[2]
-        return tables.UNITS.get(self.column, last if last in UNITS_OF_NAMES else "")
-
-    def of(self, series):
-        """The value of a run. A column's name may leave its unit out."""
-        longer = [name for name in series if name.rpartition("_")[0] == self.column]
-        if self.column not in series and len(longer) == 1:
-            self.column = longer[0]
-        if self.column not in series:
+    def find(self, rows):
+        """Looks its column up among the rows of the series; a name with the unit is one, too."""
+        rows = [row for row in rows if row["file"] == "series.csv"]
+        self.row = next((row for row in rows if self.column in (row["name"], row["head"])), None)
+        if not self.row:
             raise tables.RunError(f"QUANTITY={self.text}: the series has no column {self.column}; there are: "
-                                  f"{', '.join(name for name in series if name != 'time')}.")
-        t, y = np.array(series["time"]), np.array(series[self.column])
+                                  f"{', '.join(row['name'] for row in rows if row['name'] != 'time')}.")
+        self.back = (self.row["name"], 1.0)
+
+    def unit(self):
+        return "s" if self.take in ("time_of_max", "settles") else self.row["unit"] if self.row else ""
+
+    def curve(self, series, end=math.inf):
+        """(times, values) of a run until 'end'; nan where there is no value."""
+        name, factor = self.back
+        if name not in series:
+            raise tables.RunError(f"QUANTITY={self.text}: the series has no column {name}; there are: "
+                                  f"{', '.join(column for column in series if column != 'time')}.")
+        t, y = np.array(series["time"]), factor * np.array(series[name])
+        if self.row and {"pressure", "step"} & set(self.row["needs"]) and len(y) > 1:
+            y[0] = np.nan  # of no step
+        return t[t <= end], y[t <= end]
+
+    def of(self, series, end=math.inf):
+        """The value of a run, until 'end'; nan where the curve has none."""
+        t, y = self.curve(series, end)
         known = np.isfinite(y)
         if not known.any():
             return math.nan
         if self.take in ("at", "mean"):
+            if end < self.times[-1]:
+                return float(y[-1])
             if self.times[-1] > t[-1] * (1 + 1e-9) or self.times[0] < t[0]:
                 raise tables.RunError(f"QUANTITY={self.text}: the run has times from {t[0]:g} to {t[-1]:g} s.")
-            if self.take == "at":
-                return float(np.interp(self.times[0], t[known], y[known]))
-            fine = np.linspace(*self.times, 1000)
-            return float(np.interp(fine, t[known], y[known]).mean())
-        return float({"max": np.nanmax(y), "min": np.nanmin(y), "end": y[known][-1],
+            wanted = self.times if self.take == "at" else np.linspace(*self.times, 1000)
+            return float(np.interp(wanted, t, y).mean())
+        if self.take == "settles":
+            away = np.abs(y - y[-1]) > 0.01 * self.times[0] * abs(y[-1])
+            return float(t[np.flatnonzero(away)[-1] + 1]) if away.any() and known[-1] else float(t[0])
+        return float({"max": np.nanmax(y), "min": np.nanmin(y), "end": y[-1],
                       "time_of_max": t[np.nanargmax(y)]}[self.take])
+
+    def remarks(self, series):
+        """Sentences about the value of a run: where the curve has a gap, an end that still changes, an extreme of the
+        start."""
+        t, y = self.curve(series)
+        known = np.isfinite(y)
+        if not known.any():
+            return [f"{self.text}: the curve has no value"]
+        said, first, last = [], *np.flatnonzero(known)[[0, -1]]
+        if first > 1 or last < len(y) - 1 or not known[first:last].all():
+            gaps = np.flatnonzero(np.diff(known.astype(int)))
+            said.append(f"{self.column} has values from {t[first]:.4g} to {t[last]:.4g} s only"
+                        + (f", with gaps between: {', '.join(f'{t[k]:.4g}' for k in gaps[:8])} s"
+                           if not known[first:last].all() else ""))
+        late = known & (t >= t[-1] - LAST * (t[-1] - t[0]))
+        if self.take == "end" and late.sum() > 1 and np.ptp(y[known]) > 0:
+            change = y[last] - y[np.flatnonzero(late)[0]]
+            if abs(change) > MOVED * max(abs(y[last]), np.ptp(y[known])):
+                said.append(f"{self.text} still changes when a run ends, by {abs(change / y[last]):.1%} in its last "
+                            "tenth: a later -time_end, or settles, says when it rests")
+        if self.take in ("max", "min") and self.row and "pressure" in self.row["needs"]:
+            when = t[np.nanargmax(y) if self.take == "max" else np.nanargmin(y)]
+            said.append(f"{self.text} came at {when:.4g} s" + (
+                ", in the first twentieth of the run: the start may have made it (-packing_relaxation_time)"
+                if when - t[0] < START * (t[-1] - t[0]) else ""))
+        return said
 
 
 def read(text):

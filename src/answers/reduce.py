@@ -5,17 +5,15 @@ axis, else a quarter or a half if it has mirrors; without tension, viscosity or 
     reduce.py SCENE.opts [> rings.opts]
     isph-reduce SCENE.opts
 
-isph finds what holds (-scene_model); this writes the reduced scene, complete and readable, to the output, and the
-reason to standard error, or says what keeps the scene from being reduced, with exit code 3. The figures of a half and a
-quarter are those of the whole: their forces, energies and volumes are multiplied (-gauge_multiplicity). A pool in a
-square box becomes a round one of the same area. Figures of a plane are per metre.
+isph finds what holds (scene.json); this writes the reduced scene, complete and readable, to the output, and the reason
+to standard error, or says what keeps the scene from being reduced, with exit code 3. A pool in a square box becomes a
+round one of the same area. The figures of a half and a quarter are those of the whole, those of a plane are per metre.
+For an answer each wanted column of the whole scene is carried back from the reduced one by its row of scene.json
+(Way.carry), and a way that lacks one is not taken.
 """
 import argparse
 import math
 import os
-import re
-import shlex
-import subprocess
 import sys
 import tempfile
 
@@ -24,240 +22,256 @@ sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
 import launch  # noqa: E402
 import tables  # noqa: E402
 
-SHAPES = {"sphere", "box", "cylinder", "ellipsoid", "half_space", "thread"}  # that rings or a plane can have
-# options of a body that are numbers or words, the same in any dimension, and those that are vectors
-PLAIN = {"shape", "type", "density", "viscosity", "tension", "viscosity_model", "viscosity_exponent", "viscosity_time",
-         "viscosity_infinite", "yield_stress", "radius", "height", "axis", "contact_angle", "contact_hysteresis",
-         "nozzle", "modulation", "modulation_frequency", "start", "count", "interval", "wave_amplitude", "wave_mode",
-         "wave_length", "oscillation_frequency", "oscillation_phase"}
-VECTORS = {"center", "velocity", "lower", "upper", "radii", "point", "normal", "oscillation_amplitude"}
-SCENE_VECTORS = {"box_lower", "box_upper", "gravity", "gravity_amplitude"}
-# options of the whole scene that depend on places or directions and are not known here
-PLACED = ("frame_", "shaking_", "gauge_points", "gauge_heights", "gauge_lines", "gauge_film", "snapshot_lower",
-          "snapshot_upper")
+LETTERS = "xyz"
 NEVER = ("restart", "packing_cache")
+BODY_LISTS = ("bodies", "solids", "fine", "interface_bodies")
+SLACK = 1e-9  # relative, of numbers that went through an options file
 
 
-def read(path, depth=0):
-    """The options of a file and of those that it names, {name: value} in their order; the last of equal ones counts."""
-    options = {}
-    if depth > 9:
-        raise tables.RunError(f"{path}: its -options_file go round in a circle.")
-    try:
-        with open(path, encoding="utf-8") as file:
-            lines = file.readlines()
-    except OSError as error:
-        raise tables.RunError(f"{path}: {error.strerror}.") from error
-    for line in lines:
-        words = shlex.split(line, comments=True)
-        k = 0
-        while k < len(words):
-            name = words[k].lstrip("-")
-            value = words[k + 1] if k + 1 < len(words) and not is_name(words[k + 1]) else ""
-            k += 2 if value else 1
-            if name == "options_file":
-                options.update(read(value, depth + 1))
-            else:
-                options.pop(name, None)
-                options[name] = value
-    return options
+def numbers(text):
+    return [tables.number(word) for word in text.split(",")]
 
 
-def is_name(word):
-    return word.startswith("-") and word[1:2].isalpha()
-
-
-class Model:
-    """What holds for a scene, as isph says."""
-
-    def __init__(self, path, more=()):
-        done = subprocess.run(launch.command(path, [*more, "-scene_model"]), capture_output=True, text=True)
-        if done.returncode:
-            raise tables.RunError(done.stderr.strip().replace("isph: error: ", ""))
-        self.axis, self.center, self.why = None, {}, ""
-        self.mirrors, self.folded, self.uniform, self.vain, self.against = {}, set(), [], [], []
-        for line in done.stdout.splitlines():
-            what, _, says = line.strip().partition(": ")
-            letter = what[-1:]
-            yes = says.startswith("yes")
-            if what.startswith("revolution"):
-                self.why = says[4:]
-                self.axis = letter if yes else None
-                self.center = {d: float(v) for d, v in re.findall(r"([xyz]) = ([^, ]+)", says)}
-            elif what.startswith("mirror"):
-                if yes:
-                    self.mirrors[letter] = says.partition("without ")[2].split(",") if "without" in says else []
-                elif "already" in says:
-                    self.folded.add(letter)
-                else:
-                    self.against.append(f"no mirror across {letter}: {says[4:]}")
-            elif what.startswith("uniform"):
-                self.uniform.append(letter)
-            elif "cannot matter" in says:
-                self.vain.append((what, says.partition(": ")[2]))
-            elif what == "symmetry":
-                self.why = says
+def joined(values):
+    return ",".join(f"{value + 0:.9g}" for value in values)
 
 
 class Scene:
-    """The options of a scene, and what its bodies are made of."""
+    """A scene as the program knows it; options: those given, {name: option}."""
 
-    def __init__(self, path, model):
-        self.options, self.model = read(path), model
-        self.bodies = [name for key in ("bodies", "solids") for name in self.options.get(key, "").split(",") if name]
-        for name in self.options:
-            if name in NEVER:
+    def __init__(self, path, more=()):
+        self.known = launch.known(path, *more)
+        self.model, self.domain = self.known["model"], self.known["domain"]
+        self.options = {option["name"].lstrip("-"): option for option in self.known["options"] if option["given"]}
+        for name in NEVER:
+            if name in self.options:
                 raise tables.RunError(f"-{name} belongs to the scene as it is.")
-        gravity = tables.vector(self.options, "gravity") or [0, 0, 0]
-        self.up = next((d for d in range(2, -1, -1) if d < len(gravity) and gravity[d]), 2)
-
-    def owner(self, key):
-        """The body to which an option belongs, and the option's name without it."""
-        body = next((b for b in sorted(self.bodies, key=len, reverse=True) if key.startswith(b + "_")), None)
-        return body, key[len(body) + 1:] if body else key
-
-    def check_plain(self):
-        """Refuses what rings and planes cannot have, or what is not known here."""
-        for key in self.options:
-            body, name = self.owner(key)
-            if body and name not in PLAIN | VECTORS or not body and name.startswith(PLACED):
-                raise tables.RunError(f"-{key}: what this means in a reduced scene is not known.")
-            if name == "shape" and self.options[key] not in SHAPES:
-                raise tables.RunError(f"-{key} {self.options[key]}: only {', '.join(sorted(SHAPES))} can be reduced.")
-
-    def face(self, d, side):
-        o = self.options
-        letter = "xyz"[d]
-        return o.get(f"box_{letter}{('min', 'max')[side]}", o.get(f"box_{letter}", o.get("box_faces", "open")))
-
-    def flat(self, kept, along=None):
-        """The lines of the scene with the components 'kept' of all vectors; cylinders along 'along' are circles."""
-        for key, value in self.options.items():
-            body, name = self.owner(key)
-            if key == "dimension" or key.startswith("box_") and key not in SCENE_VECTORS or key == "gauge_multiplicity":
-                continue
-            if body and name == "shape" and value in ("cylinder", "thread") and along is not None:
-                value = "sphere"
-            elif body and name in ("axis", "height") and along is not None:
-                continue
-            elif body and name == "axis":
-                value = "y"
-            elif key == "gauge_neck":
-                value = next((to for d, to in zip(kept, "xy") if "xyz"[d] == value), "none")
-            elif body and name in VECTORS or key in SCENE_VECTORS:
-                v = tables.vector({"v": value}, "v")
-                value = ",".join(f"{v[d] if len(v) == 3 else 0:.9g}" for d in kept)
-            yield key, name, body, value
-
-    def faces(self, kept, lines):
-        for d, letter in zip(kept, "xy"):
-            for side, end in enumerate(("min", "max")):
-                for kind in ("", "_contact_angle", "_velocity"):
-                    value = self.options.get(f"box_{'xyz'[d]}{end}{kind}") if kind else self.face(d, side)
-                    if kind == "_velocity" and value:
-                        value = ",".join(f"{tables.vector({'v': value}, 'v')[k]:.9g}" for k in kept)
-                    if value and value != "open":
-                        lines.append((f"box_{letter}{end}{kind}", value))
+        self.bodies = {body["name"]: body for key in ("bodies", "solids") for body in self.known[key]}
+        gravity = self.known["forces"]["gravity"]
+        self.up = next((d for d in reversed(range(len(gravity))) if gravity[d]), len(gravity) - 1)
+        self.copies = int(float(self.options["gauge_multiplicity"]["value"])) if "gauge_multiplicity" in self.options \
+            else 1
+        self.folds = sum(mirror["used"] for mirror in self.model["mirrors"])
+        self.columns = {row["name"]: row for row in self.known["columns"]}
 
 
-def rings(scene):
-    """The lines of the scene as rings."""
-    scene.check_plain()
-    up = "xyz".index(scene.model.axis)
+class Way:
+    """A way to reduce a scene: its lines, what it is, and how columns come back. to: {direction of the whole: of the
+    reduced scene}; faces: those that the reduced scene has with the same meaning; gone: bodies that it lacks; factor:
+    of sums; cheaper: about what the whole costs more."""
+
+    def __init__(self, lines, why, to, faces, factor=1.0, gone=(), same=True, cheaper=1.0):
+        self.lines, self.why, self.to, self.faces, self.factor, self.gone = lines, why, to, faces, factor, set(gone)
+        self.same = same  # dimensions and directions are those of the whole
+        self.cheaper = cheaper
+
+    def carry(self, row):
+        """(name of a column in the reduced scene, factor); None: the reduced scene has no such column."""
+        whose, way = row["whose"], row["direction"]
+        if row["of"] == "face" and whose not in self.faces or whose in self.gone or way and way not in self.to:
+            return None
+        if self.same:
+            return row["name"], 1.0
+        if row["counts"] == "run" or row["of"] in ("piece", "place", "particle"):
+            return None
+        other = {whose: self.faces.get(whose, whose), way: self.to.get(way, way)}
+        return "_".join(other.get(word, word) for word in row["name"].split("_")), \
+            self.factor if row["counts"] == "sum" else 1.0
+
+
+def flat(scene, kept, along=None):
+    """(option, value) of a scene with the components 'kept' of all vectors; cylinders along 'along' are circles."""
+    for name, option in scene.options.items():
+        owner, kind, value = option["owner"], option["kind"], option["value"]
+        key = name[len(owner) + 1:] if owner else name
+        round_one = owner in scene.bodies and scene.bodies[owner]["shape"]["type"] in ("cylinder", "thread")
+        if kind == "file" and owner or kind == "numbers" and name != "gauge_axis" and (
+                owner or name.startswith(("gauge_", "frame_"))):
+            raise tables.RunError(f"-{name}: what this means in a reduced scene is not known.")
+        if name in ("dimension", "gauge_multiplicity") or name.startswith("box_") and kind != "point":
+            continue
+        if along is not None and round_one and key == "shape":
+            value = "sphere"
+        elif along is not None and round_one and key in ("axis", "height"):
+            continue
+        elif kind == "axis":
+            value = "y"
+        elif name == "gauge_neck":
+            value = next((to for d, to in zip(kept, LETTERS) if LETTERS[d] == value), "none")
+        elif kind in ("point", "direction", "normal") and value[:1] not in LETTERS:
+            v = numbers(value)
+            value = joined(v[d] if len(v) == 3 else 0 for d in kept)
+        yield name, key, kind, value
+
+
+def flat_faces(scene, kept):
+    """The options of the faces that stay."""
+    kinds = {face["name"]: face for face in scene.domain["faces"]}
+    for d, letter in zip(kept, LETTERS):
+        for end in ("min", "max"):
+            face, angle = kinds[LETTERS[d] + end], scene.options.get(f"box_{LETTERS[d]}{end}_contact_angle")
+            yield f"box_{letter}{end}", face["type"]
+            if any(face["velocity"]):
+                yield f"box_{letter}{end}_velocity", joined(face["velocity"][k] for k in kept)
+            if angle:
+                yield f"box_{letter}{end}_contact_angle", angle["value"]
+
+
+def rings(scene, axis):
+    """The scene as rings about an axis of the model."""
+    up = LETTERS.index(axis["about"])
     across = [d for d in range(3) if d != up]
-    half = tables.vector(scene.options, "box_upper")[across[0]] - scene.model.center["xyz"[across[0]]]
-    pool = any(scene.options.get(f"{b}_shape", "box") == "box" for b in scene.bodies)
+    half = scene.domain["upper"][across[0]] - axis["center"][across[0]]
+    pool = any(body["shape"]["type"] == "box" for body in scene.bodies.values())
+    if any(body["shape"]["type"] == "wave" for body in scene.bodies.values()):
+        raise tables.RunError("a wave is no body of revolution")
     radius = 2 * half / math.sqrt(math.pi) if pool else half
     lines = [("dimension", "axisymmetric")]
-    for key, name, body, value in scene.flat((across[0], up)):
-        if name in VECTORS | SCENE_VECTORS and name != "radii":
-            first = {"upper": radius, "box_upper": radius}.get(name, 0)
-            value = f"{first:.9g},{value.split(',')[1]}"
-        lines.append((key, "0" if key == "gauge_axis" else value))
-    kinds = []
-    scene.faces((across[0], up), kinds)
-    lines += [(k, "wall" if v == "periodic" and k == "box_xmax" else v) for k, v in kinds
+    for name, key, kind, value in flat(scene, (across[0], up)):
+        if kind in ("point", "direction", "normal") and key != "radii":
+            value = f"{radius if key in ('upper', 'box_upper') else 0:.9g},{value.split(',')[1]}"
+        lines.append((name, "0" if name == "gauge_axis" else value))
+    lines += [(k, "wall" if v == "periodic" and k == "box_xmax" else v) for k, v in flat_faces(scene, (across[0], up))
               if not k.startswith("box_xmin")]
     why = "a body of revolution: rings"
     if pool:
         why += f"; the pool, {2 * half:.4g} m square, is round, {radius:.4g} m in radius, with the same area"
-    return lines, why
+    faces = {LETTERS[up] + end: "y" + end for end in ("min", "max")}
+    return Way(lines, why, {LETTERS[up]: "y"}, faces, scene.copies / 2**scene.folds, same=False,
+               cheaper=1 / max(axis["particles"], 1e-6))
 
 
-def plane(scene, along):
-    """The lines of the scene in two dimensions."""
-    scene.check_plain()
-    d = "xyz".index(along)
+def plane(scene, letter):
+    """The scene in two dimensions."""
+    d = LETTERS.index(letter)
     kept = tuple(k for k in range(3) if k not in (d, scene.up)) + (scene.up,)
-    lines = [("dimension", "2")] + [(key, value) for key, _, _, value in scene.flat(kept, d)]
-    scene.faces(kept, lines)
-    return lines, f"uniform along {along}: a plane; forces, energies and volumes are per metre of {along}"
+    lines = [("dimension", "2")] + [(name, value) for name, _, _, value in flat(scene, kept, d)]
+    lines += flat_faces(scene, kept)
+    depth = scene.domain["upper"][d] - scene.domain["lower"][d]
+    to = {LETTERS[k]: new for k, new in zip(kept, LETTERS)}
+    faces = {old + end: new + end for old, new in to.items() for end in ("min", "max")}
+    return Way(lines, f"uniform along {letter}: a plane; forces, energies and volumes are per metre of {letter}", to,
+               faces, depth * scene.copies, same=False, cheaper=depth / scene.domain["spacing"])
 
 
-def mirrored(scene, planes):
-    """The lines of a half or a quarter."""
-    lower, upper = (list(tables.vector(scene.options, name)) for name in ("box_lower", "box_upper"))
-    gone = {b for letter in planes for b in scene.model.mirrors[letter]}
-    numbers = ["xyz".index(letter) for letter in planes]
-    for d in numbers:
-        lower[d] = 0.5 * (lower[d] + upper[d])
-    lines = []
-    for key, value in scene.options.items():
-        if scene.owner(key)[0] in gone or key in ("gauge_multiplicity", *(f"box_{letter}" for letter in planes)):
+def mirrored(scene, mirrors):
+    """A half or a quarter."""
+    lower, upper = list(scene.domain["lower"]), scene.domain["upper"]
+    planes, gone = [mirror["across"] for mirror in mirrors], {b for mirror in mirrors for b in mirror["gone"]}
+    for letter in planes:
+        lower[LETTERS.index(letter)] = 0.5 * (lower[LETTERS.index(letter)] + upper[LETTERS.index(letter)])
+    lines, kinds = [], {face["name"]: face["type"] for face in scene.domain["faces"]}
+    for name, option in scene.options.items():
+        value = option["value"]
+        if option["owner"] in gone or name in ("gauge_multiplicity", *(f"box_{letter}" for letter in planes)):
             continue
-        if key in ("bodies", "solids", "interface_bodies"):
-            value = ",".join(b for b in value.split(",") if b not in gone)
-        lines.append((key, ",".join(f"{v:.9g}" for v in lower) if key == "box_lower" else value))
-    for letter, d in zip(planes, numbers):
-        other = scene.face(d, 1)
+        if name in BODY_LISTS:
+            value = ",".join(body for body in value.split(",") if body not in gone)
+        if value or name not in BODY_LISTS:
+            lines.append((name, joined(lower) if name == "box_lower" else value))
+    for letter in planes:
+        other = kinds[letter + "max"]
         lines += [(f"box_{letter}min", "symmetry"), (f"box_{letter}max", "symmetry" if other == "periodic" else other)]
-    lines = [(k, v) for k, v in lines if v or k not in ("bodies", "solids")]
-    lines.append(("gauge_multiplicity", str(2**len(planes) * int(scene.options.get("gauge_multiplicity", 1)))))
-    several = len(planes) > 1
-    return lines, (f"mirror plane{'s' if several else ''} across {' and '.join(planes)}: a "
-                   f"{'quarter' if several else 'half'}{'; ' + ', '.join(sorted(gone)) + ' mirrored' if gone else ''}")
+    lines.append(("gauge_multiplicity", str(2**len(planes) * scene.copies)))
+    lines += kept_numbers(scene, lines, gone)
+    why = f"mirror plane{'s' if len(planes) > 1 else ''} across {' and '.join(planes)}: a " + (
+        "quarter" if len(planes) > 1 else "half") + (f"; {', '.join(sorted(gone))} mirrored" if gone else "")
+    faces = {name: name for name in kinds if name not in [letter + "min" for letter in planes]}
+    return Way(lines, why, {letter: letter for letter in LETTERS}, faces, gone=gone, cheaper=2**len(planes))
 
 
-def without(scene, lines, why):
-    """Removes tension, viscosity or gravity that cannot matter, with the options that nothing reads then."""
-    zero, bodies = dict(lines).get("gravity", "0"), dict(lines).get("bodies", "").split(",")
-    for what, reason in scene.model.vain:
-        if what == "tension" and "interface_tension" in scene.options:  # it also keeps the liquids apart
+def kept_numbers(scene, lines, gone):
+    """Numbers of bodies that a smaller box would change, since their defaults are those of the box."""
+    half = {body["name"]: body for key in ("bodies", "solids") for body in known_of(lines)[key]}
+    for name, body in scene.bodies.items():
+        for part in ("shape", "velocity_field"):
+            old, new = (one[name].get(part, {}).get("numbers", {}) for one in (scene.bodies, half)) \
+                if name not in gone else ({}, {})
+            for key, value in old.items():
+                if value != new.get(key) and isinstance(value, (float, int, list)) and f"{name}_{key}" not in dict(
+                        lines):
+                    yield f"{name}_{key}", joined(value if isinstance(value, list) else [value])
+
+
+def without(scene, way, rows):
+    """Removes tension, viscosity or gravity that cannot matter, for the scene and for the wanted columns."""
+    lines = dict(way.lines)
+    bodies = lines.get("bodies", "").split(",")
+    for force in scene.model["forces"]:
+        what = force["name"]
+        needed = next((row["name"] for row in rows if what in row["needs"]), None)
+        if not force["vain"] or needed or what == "tension" and "interface_tension" in lines:  # keeps liquids apart
             continue
-        vain = re.compile({"gravity": "gravity$", "viscosity": f"(({'|'.join(bodies)})_)?viscosity",
-                           "tension": f"({'|'.join(bodies)})_tension$|tension_|wall_contact_|\\w+_contact_(angle|hyst)"}
-                          [what])
-        lines = [(k, v) for k, v in lines if not vain.match(k)]
-        lines += [("gravity", ",".join("0" for _ in zero.split(",")))] if what == "gravity" else \
-            [(f"{b}_{what}", "0") for b in bodies]
-        why += f"; no {what}, since {reason}"
-    return lines, why
+        ends = {"gravity": (), "viscosity": ("_viscosity",), "tension": (
+            "_tension", "_contact_angle", "_contact_hysteresis")}[what]
+        lines = {k: v for k, v in lines.items() if not k.endswith(ends or "gravity") and not (
+            what == "tension" and k.startswith(("tension_", "wall_contact_")))}
+        lines.update({"gravity": ",".join("0" for _ in scene.domain["lower"] if scene)} if what == "gravity" else
+                     {f"{body}_{what}": "0" for body in bodies})
+        if what == "gravity" and lines.get("dimension") in ("2", "axisymmetric"):
+            lines["gravity"] = "0,0"
+        way.why += f"; no {what}, since {force['why']}"
+    way.lines = list(lines.items())
+    return way
 
 
-def reduced(path, more=()):
-    """([(option, value), ...], the reason in words) of the cheapest model; raises RunError if there is none. more:
-    further options under which it must hold."""
-    model = Model(path, more)
-    scene = Scene(path, model)
-    planes = [letter for letter in model.mirrors if "xyz".index(letter) != scene.up or scene.up == 2 and not model.axis]
-    uniform = [letter for letter in model.uniform if "xyz".index(letter) != scene.up]
-    ways = [lambda: rings(scene)] if model.axis else []
-    ways += [lambda: plane(scene, uniform[0])] if uniform else []
-    ways += [lambda: mirrored(scene, planes[:2])] if planes else []
-    ways += [lambda one=one: mirrored(scene, [one]) for one in planes if len(planes) > 1]
-    ways += [lambda: (list(scene.options.items()), "the scene as it is")] if model.vain else []
-    notes = [f"no rings: {model.why}"] if model.why and not model.axis else []
-    for way in ways:
+def known_of(lines):
+    """What the program knows about a scene of these lines; it must take them."""
+    with tempfile.NamedTemporaryFile("w", suffix=".opts") as file:
+        file.write(as_text(lines))
+        file.flush()
+        return launch.known.__wrapped__(file.name)
+
+
+def ways(path, more=(), columns=()):
+    """The ways to reduce a scene, the cheapest first, as pairs (Way, ""), or (None, why not). more: further options
+    under which the model must hold; columns: names of those that must come back."""
+    scene = Scene(path, more)
+    model = scene.model
+    rows = [scene.columns[name] for name in columns if name in scene.columns]
+    holds = {key: [one for one in model[key] if one["holds"]] for key in ("revolution", "mirrors", "uniform")}
+    mirrors = [m for m in holds["mirrors"]
+               if LETTERS.index(m["across"]) != scene.up or scene.up == 2 and not holds["revolution"]]
+    makers = [lambda axis=axis: rings(scene, axis) for axis in holds["revolution"]]
+    makers += [lambda one=one: plane(scene, one["along"]) for one in holds["uniform"]
+               if LETTERS.index(one["along"]) != scene.up][:1]
+    makers += [lambda: mirrored(scene, mirrors[:2])] if mirrors else []
+    makers += [lambda one=one: mirrored(scene, [one]) for one in mirrors if len(mirrors) > 1]
+    letters = {letter: letter for letter in LETTERS}
+    makers += [lambda: Way([(name, option["value"]) for name, option in scene.options.items()], "the scene as it is",
+                           letters, {face["name"]: face["name"] for face in scene.domain["faces"]})
+               ] if any(force["vain"] for force in model["forces"]) else []
+    if model["not_looked_for"]:
+        yield None, f"no symmetry: none is looked for with {model['not_looked_for']}"
+    for one in [] if holds["revolution"] else model["revolution"][-1:]:
+        yield None, f"no rings: {one['why']}"
+    for make in makers:
         try:
-            lines, why = without(scene, *way())
-            with tempfile.NamedTemporaryFile("w", suffix=".opts") as file:  # isph must take it
-                file.write(as_text(lines))
-                file.flush()
-                Model(file.name)
-            return lines, why + (f" ({'; '.join(notes)})" if notes else "")
+            way = without(scene, make(), rows)
+            if way.why == "the scene as it is":
+                continue
+            found = {row["name"] for row in known_of(way.lines)["columns"]}
+            for row in rows:
+                back = way.carry(row)
+                if not back or back[0] not in found:
+                    raise tables.RunError(f"{way.why.partition(';')[0]}: it has no {row['name']} of the whole scene")
+            yield way, ""
         except tables.RunError as error:
-            notes.append(str(error))
-    notes += model.against + [f"the mirror across {letter} is used already" for letter in sorted(model.folded)]
+            yield None, str(error)
+    for mirror in model["mirrors"]:
+        if mirror["why"] or mirror["used"]:
+            yield None, f"no mirror across {mirror['across']}: {mirror['why']}" if mirror["why"] else \
+                f"the mirror across {mirror['across']} is used already"
+
+
+def reduced(path, more=(), columns=()):
+    """The first Way that the program takes; raises RunError if there is none."""
+    notes = []
+    for way, note in ways(path, more, columns):
+        if way:
+            way.why += f" ({'; '.join(notes)})" if notes else ""
+            return way
+        notes.append(note)
     raise tables.RunError(f"the scene cannot be reduced: {'; '.join(notes)}.")
 
 
@@ -265,10 +279,9 @@ def as_text(lines):
     return "".join(f"-{k} {v}".rstrip() + "\n" for k, v in lines)
 
 
-def text(path, more=()):
-    """The reduced scene as an options file, and the reason."""
-    lines, why = reduced(path, more)
-    return f"# {os.path.basename(path)}, reduced: {why}.\n{as_text(lines)}", why
+def text(path, way):
+    """The reduced scene as an options file."""
+    return f"# {os.path.basename(path)}, reduced: {way.why}.\n{as_text(way.lines)}"
 
 
 def main():
@@ -276,12 +289,12 @@ def main():
     parser.add_argument("scene", metavar="SCENE.opts")
     arguments = parser.parse_args()
     try:
-        out, why = text(arguments.scene)
+        way = reduced(arguments.scene)
     except tables.RunError as error:
         print(f"reduce.py: {error}", file=sys.stderr)
         sys.exit(3)
-    print(out, end="")
-    print(f"reduce.py: {why}", file=sys.stderr)
+    print(text(arguments.scene, way), end="")
+    print(f"reduce.py: {way.why}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,9 @@ def study(arguments, quantities, varied):
     every = list(itertools.product(*(values for _, values in varied)))
     options = [[word for pair in zip(names, values) for word in pair] for values in every]
     folders = [os.path.join(arguments.output, "_".join(values).replace("/", "_")) for values in every]
+    known = launch.known(arguments.scene, *options[0])
+    for q in quantities:
+        q.find(known["columns"])
     if arguments.accuracy:
         return [(values, *answered(arguments, quantities, o, f)) for values, o, f in zip(every, options, folders)]
     done = launch.together([launch.Run(arguments.scene, o, f) for o, f in zip(options, folders)], arguments.jobs)
@@ -74,6 +77,8 @@ def study(arguments, quantities, varied):
 def axis_value(text, k):
     """A number for an axis: the length of a vector, the number itself, else the place in the list."""
     numbers = [tables.number(word) for word in text.split(",")]
+    if len(numbers) == 1 and math.isfinite(numbers[0]):
+        return numbers[0]
     return math.sqrt(sum(n * n for n in numbers)) if all(map(math.isfinite, numbers)) else k
 
 
@@ -86,14 +91,14 @@ def picture(rows, quantities, varied, path):
     name, values = varied[0]
     others = varied[1][1] if len(varied) > 1 else [None]
     for axis, (g, q) in zip(axes[0], enumerate(quantities)):
+        factor, unit = answer.scaled([row[1][g][0] for row in rows], q.unit())
         for other in others:
             here = [(axis_value(row[0][0], values.index(row[0][0])), *row[1][g]) for row in rows
                     if other is None or row[0][1] == other]
             x, y, bars = zip(*here)
-            bars = [bar if math.isfinite(bar) else 0 for bar in bars]
-            axis.errorbar(x, y, yerr=bars, fmt="o-", capsize=4, label=None if other is None else
+            bars = [factor * bar if math.isfinite(bar) else 0 for bar in bars]
+            axis.errorbar(x, [factor * v for v in y], yerr=bars, fmt="o-", capsize=4, label=None if other is None else
                           f"{varied[1][0][1:]} {other}")
-        unit = q.unit()
         axis.set(xlabel=name[1:], ylabel=f"{q.text} ({unit})" if unit else q.text)
         if len(varied) > 1:
             axis.legend(fontsize=8)
@@ -109,12 +114,14 @@ def main():
     parser.add_argument("--accuracy", type=float, default=0, help="per cent; 0: single runs without error bars")
     parser.add_argument("--budget", type=float, default=600, help="with --accuracy: seconds for each value")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs side by side")
-    parser.add_argument("--output", default="", help="folder; default: output/study/<folder>_<file>")
+    parser.add_argument("--output", default="", help="folder, with one for these options in it; default: "
+                        "output/study/<folder>_<file>")
     arguments = parser.parse_args()
     words = os.path.splitext(os.path.abspath(arguments.scene))[0].split(os.sep)
     arguments.output = arguments.output or os.path.join("output", "study", "_".join(words[-2:]))
-    os.makedirs(arguments.output, exist_ok=True)
     quantities, varied = quantity.read(arguments.quantity), vary(arguments.vary)
+    arguments.output = os.path.join(arguments.output, "_".join(name[1:] for name, _ in varied))
+    os.makedirs(arguments.output, exist_ok=True)
     rows = study(arguments, quantities, varied)
     head = [name[1:] for name, _ in varied]
     for q in quantities:

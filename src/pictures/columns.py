@@ -1,15 +1,11 @@
 """The columns of series.csv that pictures show: which, their titles and handy units."""
-import re
-
 import numpy as np
 
 import tables
 
 SKIP = ("step", "wall_time", "rejected", "time")
-OF_RUNS = ("time_step", "iterations", "density_error", "divergence", "solver_error", "particles", "lost", "volume",
-           "viscous_work", "tension_work", "outside_work")  # not of the flow: drawn with --curves all, or by name
+BESIDE = ("volume", "viscous_work", "tension_work", "outside_work")  # of the flow, yet not drawn unless asked for
 WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside"}
-OF_STEPS = ("time_step", "iterations", "solver_error")  # values of the step before, of which the start has none
 PREFIXES = {"k": 1e-3, "": 1, "m": 1e3, "µ": 1e6, "n": 1e9, "p": 1e12}
 TAKE_PREFIX = ("m", "m/s", "s", "J", "J/m", "N", "N/m", "Pa")
 ROUNDING = 1e-9  # of the largest value: a column that changes by less is constant
@@ -24,15 +20,17 @@ def prefixed(value, unit):
     return PREFIXES[letter], letter + unit
 
 
-def chosen(table, wanted=None):
-    """The columns of the series to draw, of those that change: those of the flow, or those with the wanted names."""
+def chosen(table, rows, wanted=None):
+    """The columns of the series to draw, of those that change: those of the flow, or those with the wanted names. rows:
+    tables.rows_of the run."""
     found = {}
     for name, values in table.items():
-        values = np.array(values, dtype=float)
-        if name in OF_STEPS:
+        values, row = np.array(values, dtype=float), rows.get(name, {})
+        if "step" in row.get("needs", ()):
             values[np.array(table["step"]) == 0] = np.nan  # no step yet
         good = values[np.isfinite(values)]
-        asked = name not in OF_RUNS if not wanted else "all" in wanted or any(name.startswith(w) for w in wanted)
+        asked = row.get("counts") != "run" and name not in BESIDE if not wanted else \
+            "all" in wanted or any(name.startswith(w) for w in wanted)
         if asked and name not in SKIP and len(good) > 1 and np.ptp(good) > ROUNDING * np.abs(good).max():
             found[name] = values
     if wanted and not found:
@@ -41,22 +39,17 @@ def chosen(table, wanted=None):
     return found
 
 
-def title(name, dim):
-    """Name and unit of a column: kinetic_energy (J), height_1_m, force_xmin_x_N/m."""
-    unit = tables.UNITS.get(name)
-    if unit:
-        unit = {"J": "J/m", "m3": "m2"}.get(unit, unit) if dim == 2 else unit
-    elif re.search(r"_(m|m/s|Pa|N|N/m|m2|m3|J|J/m|kg|rad|rad/s)$", name):
-        name, _, unit = name.rpartition("_")
-    return WORDS.get(name, name.replace("_", " ")), unit
+def title(row):
+    """Words and unit of a column, from its row."""
+    return WORDS.get(row["name"], row["name"].replace("_", " ")), row["unit"]
 
 
-def progress(table, times):
+def progress(table, rows, times):
     """How far the scene has changed at these times, from 0 to 1: the mean over the time and the columns of the flow of
     the way that each has gone up and down, over its whole way."""
     every = np.array(table.get("time", times), float)
     share = np.zeros(len(times))
-    for values in (every, *chosen(table).values()):
+    for values in (every, *chosen(table, rows).values()):
         good = np.isfinite(values)
         way = np.abs(np.diff(np.interp(times, every[good], values[good]))).cumsum()
         if len(way) and way[-1] > 0:

@@ -6,8 +6,8 @@ Apply), and press the macro's button. In a shell: pvpython open_in_paraview.py R
 the folder of a run. With PICTURE.png it writes a picture of the last time, or of TIME (s); else it shows a window until
 you close that."""
 import glob
+import json
 import os
-import re
 import sys
 
 from paraview import simple
@@ -17,11 +17,8 @@ SIZE = [1200, 800]  # pixels of a picture
 
 def spacing(folder):
     """The particle spacing (m) of the run."""
-    with open(os.path.join(folder, "options.opts"), encoding="utf-8") as file:
-        found = re.search(r"^-spacing +(\S+)", file.read(), re.M)
-    if not found:
-        raise RuntimeError(folder + "/options.opts does not say the spacing: is this a run's folder?")
-    return float(found[1])
+    with open(os.path.join(folder, "scene.json"), encoding="utf-8") as file:
+        return json.load(file)["domain"]["spacing"]
 
 
 def dots(source, view, diameter):

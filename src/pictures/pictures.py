@@ -52,7 +52,7 @@ def grid(count, width=4.0, height=3.0, columns=COLUMNS):
 def key(figure, axes, run, color, ends):
     """The legend: names of bodies, or the colour scale."""
     if color == "body":
-        names = [(views.BODY_COLORS[b % len(views.BODY_COLORS)], name) for b, name in enumerate(run.names())]
+        names = [(views.BODY_COLORS[b % len(views.BODY_COLORS)], name) for b, name in enumerate(run.bodies)]
         if len(run.solid):
             names.append((views.SOLID_COLOR, "solid"))
         marks = [plt.Line2D([], [], marker="o", ls="", color=c, label=name) for c, name in names]
@@ -60,7 +60,8 @@ def key(figure, axes, run, color, ends):
             axes[0].legend(handles=marks, loc="upper right", fontsize=8, framealpha=0.8, handletextpad=0.2)
     else:
         scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(*ends), views.MAPS[color])
-        figure.colorbar(scale, ax=axes, label=views.UNITS[color], shrink=0.8)
+        words = "spacing over the finest" if color == "size" else f"{color} ({run.unit(color)})"
+        figure.colorbar(scale, ax=axes, label=words, shrink=0.8)
 
 
 def save(figure, folder, name, formats):
@@ -135,13 +136,13 @@ def curves(run, folder, arguments):
     """A panel for each column."""
     table = tables.read_series(run.folder)
     time = np.array(table["time"])
-    chosen = columns.chosen(table, arguments.curves)
+    chosen = columns.chosen(table, run.rows, arguments.curves)
     if not chosen:
         return
     figure, axes = grid(len(chosen), height=2.2)
     factor, unit = columns.prefixed(np.abs(time).max(), "s")
     for panel, (name, values) in zip(axes, chosen.items()):
-        words, unit_of = columns.title(name, run.dim)
+        words, unit_of = columns.title(run.rows[name])
         scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
         panel.plot(factor * time, scale * values, color=views.BODY_COLORS[0], lw=1.3)
         panel.set_title(words + (f" ({unit_of})" if unit_of else ""), fontsize=9)

@@ -4,8 +4,9 @@
     report.py RUN_FOLDER [--states 25] [--triangles 20000]          make report RUN=...
 
 It has scene, liquids, walls, dimensionless numbers, the liquid through time to turn and play, pictures, curves to point
-at, the energy budget, the cost of the run, its options, and how to cite. The pictures are those of figures/; missing
-pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most particles.
+at, the energies, the cost of the run, its messages and options, and how to cite. The pictures are those of figures/;
+missing pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most
+particles.
 """
 import argparse
 import base64
@@ -13,9 +14,9 @@ import html
 import json
 import math
 import os
-import re
 import subprocess
 import sys
+import time
 
 import tables
 
@@ -24,7 +25,7 @@ THREE = "/usr/share/javascript/three"
 VIEWER = [os.path.join(THREE, name) for name in ("three.min.js", "examples/js/controls/OrbitControls.js")]
 PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and jet beside the reference"),
             ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"))
-NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge"}
+NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge", "Ca": "capillary"}
 LINES = 2000  # most of the series that the curves have
 DIGITS = 6  # of their values
 
@@ -40,79 +41,88 @@ def table(head, rows):
     return f"<table><tr>{cells('th', head)}</tr>" + "".join(f"<tr>{cells('td', row)}</tr>" for row in rows) + "</table>"
 
 
-def read_log(folder):
-    """The lines that the last start of the run wrote to log.txt: all lines, and the lines before its steps."""
-    try:
-        with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
-            lines = file.read().split("\n")
-    except OSError as error:
-        raise tables.RunError(f"{error.filename}: {error.strerror}.") from error
-    start = max((k for k, line in enumerate(lines) if line.startswith("=== isph ")), default=None)
-    if start is None:
-        raise tables.RunError(f"{folder}/log.txt is not that of a run.")
-    end = next((k for k in range(start, len(lines)) if lines[k].startswith("Output: ")), len(lines))
-    return lines[start:], lines[start:end]
+def number(value):
+    """A number for a table; none is empty."""
+    return "" if value is None else f"{value:.4g}"
 
 
-def liquids(log):
-    """Tables of the bodies and of their dimensionless numbers, from the lines of the log."""
-    bodies, numbers, names = [], [], list(NUMBERS)
-    for line in log:
-        body = re.match(r"  (\w+): (emitter, )?(\w+) within ", line)
-        if body:
-            bodies.append([body[1], (body[2] or "") + body[3], "", "", ""])
-        values = re.match(r"    density (\S+) kg/m3, viscosity (\S+) Pa s, tension (\S+) N/m", line)
-        if values and bodies:
-            bodies[-1][2:] = [values[k].rstrip(".,") for k in (1, 2, 3)]
-        if line.startswith("    least extent ") and bodies:
-            found = dict(re.findall(r"\b(Re|We|Fr|Bo|Oh) (\S+?)(?:,|$)", line))
-            extent = re.search(r"least extent (\S+) m, (\S+) spacings", line)
-            numbers.append([bodies[-1][0], extent[1] if extent else "", extent[2] if extent else "",
-                            *(found.get(name, "") for name in names)])
+def liquids(scene):
+    """Tables of the bodies, of their dimensionless numbers, and of the walls and solids."""
+    bodies = [[body["name"], ("emitter, " if body["emitter"] else "") + body["shape"]["type"],
+               *(number(body[key]) for key in ("density", "viscosity", "tension"))] for body in scene["bodies"]]
     text = table(["body", "shape", "density, kg/m3", "viscosity, Pa s", "tension, N/m"], bodies)
-    if numbers:
-        heads = [f"{NUMBERS[name]} {name}" for name in names]
-        text += "<p></p>" + table(["body", "least extent, m", "in spacings", *heads], numbers)
-    sides = walls(log)
+    numbers = []
+    for body in scene["bodies"]:
+        found = {one["name"]: one for one in body["dimensionless"]}
+        length = min(high - low for low, high in zip(body["lower"], body["upper"]))
+        numbers.append([body["name"], number(next((one["length"] for one in found.values()), length)),
+                        number(body["spacings"]), *(number(found[n]["value"]) if n in found else "" for n in NUMBERS)])
+    heads = [f"{words} {name}" for name, words in NUMBERS.items()]
+    text += "<p></p>" + table(["body", "least extent, m", "in spacings", *heads], numbers)
+    sides = walls(scene)
     return text + ("<p></p>" + table(["wall or solid", "kind", "contact angle, degrees"], sides) if sides else "")
 
 
-def walls(log):
-    """Rows of the walls of the box and of the solids: name, shape, contact angle if it has one."""
-    found = {}
-    for line in log:
-        face = re.match(r"  ([xyz]): .* m, (\w+) to (\w+), ", line)
-        solid = re.match(r"  solid +(\w+): (\w+)", line)
-        if face:
-            found.update({face[1] + end: "wall" for end, kind in zip(("min", "max"), face.groups()[1:])
-                          if kind == "wall"})
-        elif solid:
-            found[solid[1]] = solid[2]
-    angles = next((line.partition(":")[2] for line in log if line.startswith("Contact angles in degrees:")), "")
-    angles = dict(part.split(maxsplit=1) for part in angles.split(",") if part)
-    return [[name, kind, angles.get(name, "")] for name, kind in found.items()]
+def walls(scene):
+    """Rows of the walls of the box and of the solids: name, shape and motion, contact angle if it has one."""
+    angles = {one["name"]: number(one["receding"]) + (
+        f" to {number(one['advancing'])}" if one["advancing"] > one["receding"] else "")
+        for one in scene["tension"]["contact_angles"]}
+    found = [[face["name"], "wall" + (", moves" if any(face["velocity"]) else "")]
+             for face in scene["domain"]["faces"] if face["type"] == "wall"]
+    found += [[solid["name"], solid["shape"]["type"] + (
+        f", free: mass {number(solid['motion']['mass'])} kg" + ("/m" if scene["domain"]["dimension"] == 2 else "")
+        if solid["free"] else ", moves" if solid["driven"] else "")] for solid in scene["solids"]]
+    return [[*row, angles.get(row[0], "")] for row in found]
 
 
-def energy(log):
-    """The error budget, as the program printed it at the end of the run."""
-    start = next((k for k, line in enumerate(log) if line.startswith("Error budget")), len(log))
-    end = next((k for k in range(start, len(log)) if log[k].startswith("  dominant")), None)
-    if end is None:
-        return "<p>The run has not reached its end, so its log has no error budget.</p>"
-    return f"<pre>{html.escape(chr(10).join(log[start:end + 1]))}</pre>"
+def setting(scene):
+    """What the scene is otherwise, and the models that hold for it."""
+    domain, step, model = scene["domain"], scene["step"], scene["model"]
+    box = " by ".join(f"{high - low:.4g}" for low, high in zip(domain["lower"], domain["upper"]))
+    parts = [f"Box of {box} m" + (", rings" if domain["rings"] else "") +
+             f", spacing {domain['spacing']:.4g} m" + (f" to {domain['spacing_coarse']:.4g} m"
+                                                       if domain["spacing_coarse"] > domain["spacing"] else ""),
+             f"gravity {', '.join(number(g) for g in scene['forces']['gravity'])} m/s2",
+             f"scheme {scene['scheme']}, tension {scene['tension']['model']}"]
+    if step.get("binds"):
+        parts.append(f"at the start {step['binds'].replace('_', ' ')} bounds the step, {step[step['binds']]:.3g} s")
+    holds = [f"a body of revolution about {one['about']}" for one in model["revolution"] if one["holds"]]
+    holds += [f"mirrored across {one['across']}" for one in model["mirrors"] if one["holds"]]
+    holds += [f"uniform along {one['along']}" for one in model["uniform"] if one["holds"]]
+    holds += [f"without effect of {one['name']}" for one in model["forces"] if one["vain"]]
+    if holds:
+        parts.append("the scene is " + ", ".join(holds))
+    return f"<p>{html.escape('; '.join(parts))}.</p>"
 
 
-def cost(series, log):
+def energy(series, rows):
+    """The energies and the work of the series at its start and its end."""
+    found = [[f"{columns.title(row)[0]}, {row['unit']}",
+              *(f"{v:.4g}" for v in (series[name][0], series[name][-1], series[name][-1] - series[name][0]))]
+             for name, row in rows.items() if row["unit"] in ("J", "J/m")]
+    return table(["", "at the start", "at the end", "change"], found)
+
+
+def cost(series, scene):
     """The cost of the run."""
     steps, wall = int(series["step"][-1]), series.get("wall_time", [math.nan])[-1]
-    particles = series.get("particles", [math.nan])[-1]
-    ranks = next((m[1] for m in (re.search(r"in a DMSwarm on (\d+) rank", line) for line in log) if m), "1")
-    text = f"{steps} steps, {particles:.0f} particles at the end, {ranks} process{'es' if ranks != '1' else ''}"
+    particles, ranks = series.get("particles", [math.nan])[-1], scene["ranks"]
+    text = f"{steps} steps, {particles:.0f} particles at the end, {ranks} process{'es' if ranks != 1 else ''}"
     if math.isfinite(wall) and wall > 0:
         text += f", {wall:.3g} s"
         if steps and particles > 0:
-            text += f": {1e6 * wall * int(ranks) / steps / particles:.3g} µs a step and particle on each process"
+            text += f": {1e6 * wall * ranks / steps / particles:.3g} µs a step and particle on each process"
     return f"<p>{text}.</p>"
+
+
+def text_file(folder, name, title):
+    """A text of the run, folded."""
+    try:
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            return f"<details><summary>{title}</summary><pre>{html.escape(file.read())}</pre></details>"
+    except OSError as error:
+        raise tables.RunError(f"{error.filename}: {error.strerror}.") from error
 
 
 def script(paths):
@@ -146,7 +156,7 @@ def through_time(run, arguments):
             f'{len(found["states"])} times.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
 
 
-def curves(series, dim):
+def curves(series, rows):
     """The part of the page with the curves; empty if nothing changes."""
     every = -(-len(series["time"]) // LINES)
     factor, unit = columns.prefixed(max(map(abs, series["time"])), "s")
@@ -155,8 +165,8 @@ def curves(series, dim):
         return [float(f"{scale * value:.{DIGITS}g}") if math.isfinite(value) else None for value in values[::every]]
 
     found = []
-    for name, values in columns.chosen(series).items():
-        words, unit_of = columns.title(name, dim)
+    for name, values in columns.chosen(series, rows).items():
+        words, unit_of = columns.title(rows[name])
         scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
         found.append({"title": words, "unit": unit_of or "", "values": thinned(values, scale)})
     if not found:
@@ -185,11 +195,6 @@ def pictures(folder, files):
     return text
 
 
-def options(folder):
-    with open(os.path.join(folder, "options.opts"), encoding="utf-8") as file:
-        return f"<details><summary>All options of the run</summary><pre>{html.escape(file.read())}</pre></details>"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
@@ -199,23 +204,23 @@ def main():
     arguments = parser.parse_args()
     if not os.path.exists(VIEWER[0]):
         raise tables.RunError("the view of the liquid needs three.js: apt-get install libjs-three")
-    run, (whole, log) = data.Run(arguments.folder), read_log(arguments.folder)
-    series = tables.read_series(arguments.folder)
-    version = re.match(r"=== isph (\S+), (\S+)", log[0])
-    scene = [line for line in log[1:]
-             if not line.startswith((" " * 4, "Output")) or line.startswith("    moves")]
-    body = ("<h2>Scene</h2>\n" + liquids(log) + f"<pre>{html.escape(chr(10).join(scene))}</pre>\n"
-            + through_time(run, arguments) + pictures(arguments.folder, run.files) + curves(series, run.dim)
-            + "<h2>Where the energy went</h2>\n" + energy(whole) + "<h2>What it cost</h2>\n" + cost(series, log)
-            + "<h2>Options</h2>\n" + options(arguments.folder)
-            + f"<h2>How to cite</h2>\n<p>The program, isph {version[1]} (the isph authors), and Kuri, Yamaguchi, "
+    run = data.Run(arguments.folder)
+    scene, series = run.scene, tables.read_series(arguments.folder)
+    body = ("<h2>Scene</h2>\n" + setting(scene) + liquids(scene) + "\n" + through_time(run, arguments)
+            + pictures(arguments.folder, run.files) + curves(series, run.rows)
+            + "<h2>Where the energy went</h2>\n" + energy(series, run.rows) + "<h2>What it cost</h2>\n"
+            + cost(series, scene) + "<h2>Messages and options</h2>\n"
+            + text_file(arguments.folder, "log.txt", "What the program said, with its budget of errors")
+            + text_file(arguments.folder, "options.opts", "All options of the run")
+            + f"<h2>How to cite</h2>\n<p>The program, isph {scene['version']} (the isph authors), and Kuri, Yamaguchi, "
             "Kagawa, Nakajima, Fujimura: <i>Simulations of Droplet Impact onto a Liquid Surface Using Incompressible "
             "Smoothed Particle Hydrodynamics Method</i>, 2014. The page uses three.js and uPlot (MIT licences).</p>\n")
     with open(os.path.join(HERE, "report.html"), encoding="utf-8") as file:
         page = file.read()
     name = os.path.basename(os.path.abspath(arguments.folder))
+    date = time.strftime("%Y-%m-%d", time.gmtime(os.path.getmtime(os.path.join(arguments.folder, "scene.json"))))
     ends = f"from {data.duration(series['time'][0])} to {data.duration(series['time'][-1])}"
-    for key, value in (("title", html.escape(name)), ("subtitle", f"isph {version[1]}, {version[2]}; {ends}"),
+    for key, value in (("title", html.escape(name)), ("subtitle", f"isph {scene['version']}, {date}; {ends}"),
                        ("body", body)):
         page = page.replace("{{" + key + "}}", value)
     path = os.path.join(arguments.folder, "report.html")

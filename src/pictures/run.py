@@ -85,7 +85,7 @@ class Run:
         if not self.files:
             raise RunError(f"{folder} has no readable snapshot_*.h5.")
         self.files.sort()
-        self.options = tables.read_options(folder)
+        self.scene, self.rows = tables.read_scene(folder), tables.rows_of(folder)
         with h5py.File(self.files[0][1], "r") as file:
             head, self.fields = dict(file.attrs), set(file)
         self.rings = bool(np.ravel(head.get("axisymmetric", 0))[0])
@@ -93,15 +93,11 @@ class Run:
         self.up, self.across = self.dim - 1, "r" if self.rings else "x"
         self.spacing = float(np.ravel(head["spacing"])[0])
         self.lower, self.upper = np.array(head["box_lower"], float), np.array(head["box_upper"], float)
-        self.faces = [[self.face(d, side) for side in ("min", "max")] for d in range(3)]
+        kinds = {face["name"]: face["type"] for face in self.scene["domain"]["faces"]}
+        self.faces = [[kinds.get(axis + end, "open") for end in ("min", "max")] for axis in AXES]
         self.mirrors = self.unfold()
-        self.bodies = [name.strip() for name in self.options.get("bodies", "liquid").split(",")]
+        self.bodies = [body["name"] for body in self.scene["bodies"]]
         self.solid, self.solid_of = self.read_solid()
-
-    def face(self, d, side):
-        """The kind of a face, from options.opts."""
-        axis = AXES[d]
-        return self.options.get(f"box_{axis}{side}", self.options.get(f"box_{axis}", "open")).strip('"')
 
     def unfold(self):
         """[(direction, position)] of the mirrors that pictures unfold: at most one for each horizontal direction."""
@@ -184,16 +180,23 @@ class Run:
         if times is not None:
             return sorted({min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times})
         try:
-            table = tables.read_series(self.folder)
+            table, rows = tables.read_series(self.folder), self.rows
         except RunError:
-            table = {}
-        done = columns.progress(table, [time for time, _ in self.files])
+            table, rows = {}, {}
+        done = columns.progress(table, rows, [time for time, _ in self.files])
         count, last = min(count, len(done)), -1
         found = []
         for k, wanted in enumerate(np.linspace(0, 1, count) if count > 1 else [1]):
             last = int(np.clip(np.abs(done - wanted).argmin(), last + 1, len(done) - count + k))
             found.append(self.files[last])
         return found
+
+    def unit(self, color):
+        """The unit of a colour: that of its field in the snapshots; a size is a spacing."""
+        if color == "size":
+            return "m"
+        return next(row["unit"] for row in self.scene["columns"]
+                    if row["file"] == "snapshot" and row["name"] == FIELD_OF[color])
 
     def has(self, color):
         """Whether the snapshots have the field for this colour."""
@@ -203,11 +206,6 @@ class Run:
         """Refuses to colour by a field that the snapshots lack."""
         if not self.has(color):
             raise RunError(f"the snapshots of {self.folder} have no {FIELD_OF[color]} (-snapshot_fields).")
-
-    def names(self):
-        """Names of the bodies for the legend."""
-        return self.bodies
-
 
 def duration(seconds):
     """A time as text, with its unit."""

@@ -1,16 +1,12 @@
-"""Tables and options of a run, without other libraries. SI units; a missing or unreadable number is NaN."""
+"""Tables and scene of a run, without other libraries. SI units; a missing or unreadable number is NaN."""
 import contextlib
 import csv
+import json
 import math
 import os
 import sys
 
 PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
-
-# Units, in three dimensions, of the columns of series.csv without a unit in their name; other names end with it.
-UNITS = {"time": "s", "time_step": "s", "crown_height": "m", "crater_depth": "m", "crater_diameter": "m",
-         "kinetic_energy": "J", "potential_energy": "J", "surface_energy": "J", "viscous_work": "J",
-         "tension_work": "J", "outside_work": "J", "jet_height": "m", "highest": "m", "volume": "m3", "wall_time": "s"}
 
 
 class RunError(Exception):
@@ -36,15 +32,33 @@ def number(text):
         return math.nan
 
 
-def plain(name):
-    """The name of a column, without the unit if UNITS has it: time_s is time."""
-    base = name.rpartition("_")[0]
-    return base if name not in UNITS and base in UNITS else name
+class Table(dict):
+    """The columns of a file, {name: [numbers]}. A name may leave out the last word of a head, its unit: time is
+    time_s."""
+
+    def find(self, name):
+        """The key that is meant; None: there is none, or several."""
+        if dict.__contains__(self, name):
+            return name
+        longer = [key for key in self if key.rpartition("_")[0] == name]
+        return longer[0] if len(longer) == 1 else None
+
+    def __contains__(self, name):
+        return self.find(name) is not None
+
+    def __missing__(self, name):
+        key = self.find(name)
+        if key is None:
+            raise KeyError(name)
+        return self[key]
+
+    def get(self, name, default=None):
+        return self[name] if name in self else default
 
 
-def read_table(path):
-    """The columns of a file of comma-separated values: {plain name: [numbers]}. Lines that start with # are
-    comments."""
+def read_table(path, names=()):
+    """The columns of a file of comma-separated values. Lines that start with # are comments. names: {head: name}, by
+    which columns are called."""
     try:
         with open(path, newline="") as stream:
             rows = list(csv.reader(line for line in stream if line.strip() and not line.startswith("#")))
@@ -52,34 +66,34 @@ def read_table(path):
         raise RunError(f"{path}: {error.strerror}.") from error
     if len(rows) < 2:
         raise RunError(f"{path} has no data yet.")
-    names = [plain(name.strip()) for name in rows[0]]
-    if "time" not in names:
+    heads = [dict(names).get(name.strip(), name.strip()) for name in rows[0]]
+    rows = [row for row in rows[1:] if len(row) == len(heads)]  # a run that still writes may leave half a line
+    table = Table({name: [number(row[i]) for row in rows] for i, name in enumerate(heads)})
+    if "time" not in table:
         raise RunError(f"{path} has no column 'time'.")
-    rows = [row for row in rows[1:] if len(row) == len(names)]  # a run that still writes may leave half a line
-    return {name: [number(row[i]) for row in rows] for i, name in enumerate(names)}
+    return table
 
 
 def read_series(folder):
-    """The time series of a run."""
+    """The time series of a run, by the names of its columns without their units."""
     if not os.path.isdir(folder):
         raise RunError(f"{folder} is not a folder.")
-    return read_table(os.path.join(folder, "series.csv"))
+    names = {row["head"]: row["name"] for row in rows_of(folder).values()}
+    return read_table(os.path.join(folder, "series.csv"), names)
 
 
-def read_options(folder):
-    """The options of a run, {name without the dash: value}, from its options.opts; empty if there is none."""
-    options = {}
+def rows_of(folder):
+    """The rows of the columns of a run's series (options/scene_json.md), {name: row}."""
+    return {row["name"]: row for row in read_scene(folder)["columns"] if row["file"] == "series.csv"}
+
+
+def read_scene(folder):
+    """What the program knows about the scene of a run: scene.json (options/scene_json.md)."""
+    path = os.path.join(folder, "scene.json")
     try:
-        with open(os.path.join(folder, "options.opts")) as stream:
-            for line in stream:
-                words = line.split("#")[0].split(None, 1)
-                if words and words[0].startswith("-"):
-                    options[words[0].lstrip("-")] = words[1].strip() if len(words) > 1 else ""
-    except OSError:
-        pass
-    return options
-
-
-def vector(options, name):
-    """An option of comma-separated numbers as a list; empty if it is not set."""
-    return [number(word) for word in options[name].split(",")] if name in options else []
+        with open(path, encoding="utf-8") as stream:
+            return json.load(stream)
+    except OSError as error:
+        raise RunError(f"{path}: {error.strerror}; this version of isph writes it.") from error
+    except ValueError as error:
+        raise RunError(f"{path} is no scene.json: {error}.") from error

@@ -21,8 +21,7 @@ MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
 STRIP = 0.015  # thickness of walls in two dimensions over the box
 AZIMUTH, ELEVATION = 25, 25  # degrees, of the first view
 SEVERAL = 1.01  # ratio of spacings that are worth a colour
-UNITS = {"speed": "m/s", "pressure": "Pa", "size": "m"}
-COLORS = tuple(UNITS)
+COLORS = ("speed", "pressure", "size")
 TICKS = 5  # steps of a colour scale, at most
 
 
@@ -110,7 +109,7 @@ class Shapes:
 def liquid(run, state, most, coarser):
     """Points, triangles (in two dimensions None), sizes and the values at the points: shares of the bodies, then
     COLORS."""
-    bodies = len(run.names())
+    bodies = len(run.bodies)
     table = np.hstack([views.value_table(state, color, bodies) for color in ("body", *COLORS)])
     if run.dim == 2:  # each so many-th particle, as large as those that it stands for
         every = -(-len(table) // most)
@@ -150,7 +149,7 @@ def colorings(run, seen, several):
             continue
         low, high = views.limits([SimpleNamespace(**{name: values})], name)
         si = run.spacing if name == "size" else 1
-        factor, unit = columns.prefixed(si * max(abs(low), abs(high)), UNITS[name])
+        factor, unit = columns.prefixed(si * max(abs(low), abs(high)), run.unit(name))
         ticks = matplotlib.ticker.MaxNLocator(TICKS).tick_values(low * si * factor, high * si * factor)
         shades = matplotlib.colormaps[views.MAPS[name]](np.arange(SHADES + 1))[:, :3]
         found.append({"name": name, "title": "spacing" if name == "size" else name, "unit": unit,
@@ -162,7 +161,7 @@ def colorings(run, seen, several):
 def scene(run, count, most):
     """All that viewer.js draws; None if there is no liquid."""
     shapes, parts, seen, solids = Shapes(run), [], {name: [] for name in COLORS}, []
-    bodies, coarser, last, several = len(run.names()), None, None, False
+    bodies, coarser, last, several = len(run.bodies), None, None, False
     for _, path in run.moments(count=count):
         state = run.read(path)
         several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
@@ -196,7 +195,7 @@ def scene(run, count, most):
             "box": None if run.rings else [list(run.lower), list(run.upper)], "angle": views.ANGLE,
             "solidColor": views.SOLID_COLOR,
             "bodies": [{"name": name, "color": views.BODY_COLORS[k % len(views.BODY_COLORS)]}
-                       for k, name in enumerate(run.names())],
+                       for k, name in enumerate(run.bodies)],
             "walls": shapes.mesh(quads.reshape(-1, 3), np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])),
             "solids": solids, "colorings": colors, "states": [shape for shape, _ in parts],
             **camera(run, [points for _, points in parts])}

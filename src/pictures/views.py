@@ -9,7 +9,6 @@ BODY_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00",
 SOLID_COLOR = "#9a9a9a"
 FLOOR = np.array([0.90, 0.90, 0.88])
 MAPS = {"speed": "viridis", "pressure": "cividis", "size": "turbo"}
-UNITS = {"speed": "speed (m/s)", "pressure": "pressure (Pa)", "size": "spacing over the finest (1)"}
 PERCENTILE = 99  # of the values at the end of a colour scale, so that no single particle of spray sets it
 ANGLE = 22.0  # degrees, of the perspective
 ROOM = 1.05  # size of a picture over that of its contents

@@ -48,6 +48,7 @@ static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
   TensionJson(sim->tension, &json);
   StepperJson(sim->stepper, particles, &json);
   ModelJson(sim, &model, &json);
+  PetscCall(OptionsJson(&json, PETSC_TRUE));
   JsonArray(&json, "columns");
   PetscCall(OutputEachColumn(sim->output, WriteColumn, &json));
   JsonEnd(&json);

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Answers, studies and reductions: the ladder's rule on made-up values, quantities of made-up curves, reduced scenes
-beside those written by hand, and the programs themselves on a short scene."""
+beside those written by hand, models that trap, figures carried back, and the programs themselves on a short scene."""
+import argparse
 import math
 import os
 import random
@@ -10,7 +11,9 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
+import answer  # noqa: E402
 import ladder  # noqa: E402
+import launch  # noqa: E402
 import quantity  # noqa: E402
 import reduce  # noqa: E402
 import runs  # noqa: E402
@@ -66,6 +69,52 @@ REDUCED = (
     ("short_fall", PAIR.format("0") + "-gravity -1e-3,0,0", "no gravity", None))
 
 
+TANK = "-spacing 0.1 -box_lower -0.5,-{0},0 -box_upper 0.5,{0},1.2 -box_x wall -box_y wall -box_zmin wall -bodies a " \
+    "-a_upper 0.5,{0},1 -gravity 0,0,-9.81 -gauge_forces -time_end 0.2 "
+SHAKEN = TANK.format("0.5") + "-gravity_amplitude 5,0,0 -gravity_frequency 1 -time_end 2 "
+LID = "-spacing 0.1 -box_lower -1,-1,0 -box_upper 1,1,1 -box_x periodic -box_y periodic -box_z wall -bodies a " \
+    "-a_viscosity 10 -gravity 0,0,-1 -time_end 1 "
+DAM = "-spacing 0.05 -box_lower 0,0,0 -box_upper 1.2,0.25,0.8 -box_x wall -box_y periodic -box_zmin wall -bodies a " \
+    "-a_upper 0.6,0.25,0.6 -gravity 0,0,-9.81 -time_end 0.2 -gauge_forces "
+WAVE = "-dimension 2 -spacing 0.05 -box_lower -1,0 -box_upper 1,1 -box_x periodic -box_ymin wall -bodies a " \
+    "-a_shape wave -a_upper 1,0.4 -a_wave_amplitude 0.05 -gravity 0,-9.81 -time_end 0.5 "
+DROP = "-spacing 5e-3 -box_lower -3e-2,-3e-2,-3e-2 -box_upper 3e-2,3e-2,3e-2 -bodies a -a_shape sphere " \
+    "-a_radius 2e-2 -a_tension 0.072 -a_wave_amplitude 2e-3 -gravity 0,0,-9.81 -time_end 0.05 "
+DEEP = "-spacing 0.1 -box_lower -1,-1,0 -box_upper 1,1,2 -box_x wall -box_y wall -box_zmin wall -bodies a,b " \
+    "-a_upper 1,1,1 -b_shape sphere -b_radius 0.2 -b_center 0,0,1.25 -b_velocity 0,0,-2 -gravity 0,0,-9.81 "
+LAW = "-dimension axisymmetric -spacing 0.2e-3 -box_lower 0,0 -box_upper 4e-3,4e-3 -box_ymin wall -bodies a " \
+    "-a_shape sphere -a_radius 1e-3 -a_center 0,1e-3 -a_velocity 0,-0.5 -a_tension 0.072 -a_viscosity 1e-6 " \
+    "-wall_contact_angle 60 -time_end 5e-3 "
+ANGLE = CUBE + "-box_x wall -box_y wall -wall_contact_angle 60 -bodies a -a_shape sphere -a_radius 1e-3 " \
+    "-a_tension 0.07 "
+ROW = CUBE + "-gravity 0,0,-9.81 -box_y periodic -bodies " + ",".join("abcde") + "".join(
+    f" -{name}_shape sphere -{name}_radius 0.6e-3 -{name}_center 0,{-3.2 + 1.6 * k:.1f}e-3,0"
+    for k, name in enumerate("abcde"))
+# what holds (rings, across x ...: a symmetry; tension, ...: that it cannot matter), and what does not
+HOLDS = (
+    ("shaken_whole_periods", SHAKEN, "across y", "rings, across x"),
+    ("shaken_without_an_end", SHAKEN.replace("-time_end 2", "-steps_max 9"), "across y", "rings, across x"),
+    ("rod_that_swings", TANK.format("0.5") + "-time_end 2 -solids r -r_shape cylinder -r_radius 0.2 -r_center 0,0,0.5 "
+     "-r_oscillation_amplitude 0.1,0,0 -r_oscillation_frequency 1 -r_oscillation_phase -90", "across y",
+     "rings, across x"),
+    ("lid_along_both", LID + "-box_zmax_velocity 1,1,0", "", "along x, along y"),
+    ("lid_along_y", LID + "-box_zmax_velocity 0,1,0", "along x", "along y"),
+    ("row_of_drops", ROW, "across y", "along y"),
+    ("drop_that_oscillates", DROP, "rings", "tension"),
+    ("deep_water", DEEP + "-time_end 4e-3", "rings", "gravity"),
+    ("law_of_the_line", LAW + "-wall_contact_law cox_voinov", "", "viscosity"),
+    ("static_line", LAW, "viscosity", ""),
+    ("same_angle_said_twice", ANGLE + "-box_xmin_contact_angle 60", "rings", ""),
+    ("another_angle", ANGLE + "-box_xmin_contact_angle 70", "across y", "rings, across x"))
+# (scene, quantity, its value in the whole scene, the model that carries it back)
+FIGURES = (
+    ("weight_on_a_half", TANK.format("0.3"), "force_zmin_z:mean=0.1,0.2", -1000 * 9.81 * 0.6, "half"),
+    ("side_of_a_square", TANK.format("0.5"), "force_ymin_y:mean=0.1,0.2", -0.5 * 1000 * 9.81, "half"),
+    ("weight_as_rings", TANK.format("0.5"), "force_zmin_z:mean=0.1,0.2", -1000 * 9.81, "rings"),
+    ("volume_of_a_plane", DAM, "volume:end", 0.6 * 0.25 * 0.6, "plane"),
+    ("weight_on_a_plane", DAM.replace("1.2,", "0.6,"), "force_zmin_z:mean=0.1,0.2", -1000 * 9.81 * 0.09, "plane"))
+
+
 def refused(call, words, name):
     """The call raises RunError with these words."""
     try:
@@ -105,15 +154,35 @@ def ladders():
 
 
 def quantities():
-    series = {"time": [0, 1, 2, 3], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3], "wide_ymin_m": [1, 2, 3, 4]}
+    series = {"time": [0, 1, 2, 2.9], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3], "wide_ymin": [1, 2, 3, 4],
+              "p": [0, 7, 5, 5], "gap": [1, math.nan, math.nan, 2],
+              "late": [math.nan, math.nan, 1, 1]}
+    creep = {"time": list(range(21)), "a": list(range(21))}
+    rows = [{"file": "series.csv", "name": name, "head": f"{name}_m", "unit": "m",
+             "needs": ["pressure"] * (name == "p")} for name in series]
     for text, value in (("a:max", 3), ("a:min", 0), ("a:end", 2), ("a", 2), ("a:time_of_max", 1), ("a:at=1.5", 2),
-                        ("a:mean=2,3", 1.5), ("b:min", 1), ("wide_ymin:end", 4)):
-        runs.check_within(quantity.Quantity(text).of(series), value - 1e-9, value + 1e-9, f"quantity_{text}")
+                        ("a:mean=2,2.9", 1.5), ("b:min", 1), ("wide_ymin:end", 4), ("wide_ymin_m:end", 4),
+                        ("p:min", 5), ("a:settles=60", 1), ("gap:at=0", 1)):
+        one = quantity.Quantity(text)
+        one.find(rows)
+        runs.check_within(one.of(series), value - 1e-9, value + 1e-9, f"quantity_{text}")
+        runs.check(one.unit() == ("s" if "time_of" in text or "settles" in text else "m"), f"unit_{text}", one.unit())
+    for text in ("b:at=0.5", "gap:at=1.5", "gap:mean=0,2.9"):
+        runs.check(math.isnan(quantity.Quantity(text).of(series)), f"no_bridge_{text}")
+    for text, words in (("a:end", "still changes"), ("gap:end", "gaps between"), ("late:max", "from 2 to 2.9 s only"),
+                        ("p:max", "came at 1 s")):
+        one = quantity.Quantity(text)
+        one.find(rows)
+        said = one.remarks(creep if text == "a:end" else series)
+        runs.check(words in " ".join(said), f"remark_{text}", str(said))
+    one = quantity.Quantity("p:end")
+    one.find(rows)
+    runs.check(not one.remarks(series), "no_remark", str(one.remarks(series)))
     runs.check([q.text for q in quantity.read("a:max,b:mean=1,2,a:end")] == ["a:max", "b:mean=1,2", "a:end"], "list")
     for text in ("a:most", "a:at", "a:at=x", "a:mean=3,1"):
         refused(lambda t=text: quantity.Quantity(t), "QUANTITY", f"refuses_{text}")
-    refused(lambda: quantity.Quantity("c:max").of(series), "there are", "refuses_unknown_column")
-    refused(lambda: quantity.Quantity("a:at=4").of(series), "from 0 to 3", "refuses_late_time")
+    refused(lambda: quantity.Quantity("c:max").find(rows), "there are", "refuses_unknown_column")
+    refused(lambda: quantity.Quantity("a:at=4").of(series), "from 0 to 2.9", "refuses_late_time")
 
 
 def scene(name, options):
@@ -124,22 +193,18 @@ def scene(name, options):
     return path
 
 
-def same(one, other, names):
-    return [name for name in names if tables.vector(one, name) != tables.vector(other, name)]
-
-
 def reductions():
-    found, why = reduce.reduced(os.path.join(runs.ROOT, "cases", "dry_wall", "case.opts"))
-    hand = reduce.read(os.path.join(runs.ROOT, "cases", "dry_wall", "rings.opts"))
-    found = dict(found)
-    runs.check("rings" in why and found["dimension"] == "axisymmetric", "quarter_becomes_rings", why)
-    differ = same(found, hand, ("box_lower", "box_upper", "drop_center", "drop_velocity", "drop_radius", "gravity"))
-    runs.check(not differ and found["box_ymin"] == "wall", "rings_as_by_hand", str(differ))
-    found, why = reduce.reduced(os.path.join(runs.ROOT, "cases", "drop_impact", "case.opts"))
-    runs.check_within(tables.vector(dict(found), "box_upper")[0], 22.5e-3, 22.6e-3, "round_pool_of_the_same_area")
+    way = reduce.reduced(os.path.join(runs.ROOT, "cases", "dry_wall", "case.opts"))
+    found, hand = reduce.known_of(way.lines), launch.known(os.path.join(runs.ROOT, "cases", "dry_wall", "rings.opts"))
+    runs.check("rings" in way.why and found["domain"]["rings"], "quarter_becomes_rings", way.why)
+    differ = [key for key in ("domain", "bodies", "forces") if found[key] != hand[key]]
+    runs.check(not differ, "rings_as_by_hand", str([(found[key], hand[key]) for key in differ]))
+    way = reduce.reduced(os.path.join(runs.ROOT, "cases", "drop_impact", "case.opts"))
+    runs.check_within(reduce.known_of(way.lines)["domain"]["upper"][0], 22.5e-3, 22.6e-3,
+                      "round_pool_of_the_same_area")
     for name, options, words, _ in REDUCED:
         try:
-            why = reduce.reduced(scene(name, options))[1]
+            why = reduce.reduced(scene(name, options)).why
         except tables.RunError as error:
             why = str(error)
         runs.check(words in why, name, why)
@@ -154,10 +219,88 @@ def reductions():
             file.write("endloop\nendfacet\n")
         file.write("endsolid wedge\n")
     wedge = reduce.reduced(scene("wedge", POOL + f"-solids p -p_shape stl -p_file {block} -p_scale 1e-3 "
-                                 "-p_offset 0,0,-1e-3"))[1]
+                                 "-p_offset 0,0,-1e-3")).why
     runs.check("mirror plane across y: a half" in wedge, "wedge_of_an_stl_file", wedge)
-    floats = reduce.reduced(scene("floats", POOL + " -solids p -p_shape sphere -p_radius 1e-3 -p_mass 2e-6"))[1]
+    wave = launch.known(scene("wave", WAVE))["bodies"][0]["shape"]["numbers"]
+    half = reduce.known_of(reduce.reduced(scene("wave", WAVE)).lines)["bodies"][0]["shape"]["numbers"]
+    runs.check(half == wave, "half_of_a_wave", f"{half}, not {wave}")
+    floats = reduce.reduced(scene("floats", POOL + " -solids p -p_shape sphere -p_radius 1e-3 -p_mass 2e-6")).why
     runs.check("the scene as it is" in floats and "a free body" in floats, "floats", floats)
+
+
+def holding(known):
+    """What holds for a scene, as the words of HOLDS."""
+    model = known["model"]
+    return ["rings"] * any(one["holds"] for one in model["revolution"]) + [
+        f"across {one['across']}" for one in model["mirrors"] if one["holds"]] + [
+        f"along {one['along']}" for one in model["uniform"] if one["holds"]] + [
+        one["name"] for one in model["forces"] if one["vain"]]
+
+
+def holds():
+    """The models that isph finds where there is a trap."""
+    for name, options, yes, no in HOLDS:
+        found = holding(launch.known(scene(name, options)))
+        for words, due in ((yes, True), (no, False)):
+            for word in filter(None, words.split(", ")):
+                runs.check((word in found) == due, f"{name}_{word}", str(found))
+
+
+def asked(name, options, text, budget=20):
+    """(scene, quantities, arguments, what is known) of a question."""
+    folder = runs.scratch(name)
+    os.makedirs(folder, exist_ok=True)
+    path = scene(name, options)
+    return path, quantity.read(text), argparse.Namespace(output=folder, budget=budget, accuracy=10, jobs=2), \
+        launch.known(path)
+
+
+def figures():
+    """A figure of a reduced scene is that of the whole: it is carried back by its column's row, and the program has run
+    both. A wrong model is found out."""
+    for name, options, text, value, words in FIGURES:
+        path, (q,), arguments, _ = asked(name, options, text)
+        reduced, why, _, doubt = answer.model(path, [q], arguments)
+        runs.check(words in why and not doubt and "agree" in why, f"{name}_model", why)
+        run = launch.Run(reduced, [], os.path.join(arguments.output, "run")).go()
+        runs.check_within(q.of(run.series) / value, 0.93, 1.07, f"{name}_carried_back")
+    path, (q,), arguments, known = asked("wrong", TANK.format("0.3"), "force_zmin_z:mean=0.1,0.2")
+    q.find(known["columns"])
+    for share, due in ((1, True), (0.8, False)):
+        whole = [(name, option["value"]) for name, option in reduce.Scene(path).options.items()]
+        lines = [(name, f"0,0,{-9.81 * share}" if name == "gravity" else value) for name, value in whole]
+        way = reduce.Way(lines, "another gravity", {d: d for d in "xyz"}, {"zmin": "zmin"})
+        arguments.output = os.path.join(arguments.output, str(share))
+        os.makedirs(arguments.output)
+        good, words = answer.Proof(path, [q], arguments, known).judge(
+            way, answer.write(os.path.join(arguments.output, "other.opts"), way, path))
+        runs.check(good == due and ("agree" if due else "differ") in words, f"proof_of_{share:g}_gravity", words)
+
+
+def carries():
+    """Which columns come back from which way."""
+    def row(name, counts="sum", of="scene", whose="", direction=""):
+        return {"name": name, "counts": counts, "of": of, "whose": whose, "direction": direction, "needs": []}
+    known = reduce.Scene(scene("carries", TANK.format("0.25") + "-box_y periodic"))
+    rings = reduce.rings(known, {"about": "z", "center": [0, 0, 0], "particles": 0.1})
+    plane = reduce.plane(known, "y")
+    half = reduce.mirrored(known, [{"across": "x", "gone": []}])
+    for column, wanted in (
+            (row("kinetic_energy"), (("kinetic_energy", 1), ("kinetic_energy", 0.5), ("kinetic_energy", 1))),
+            (row("force_zmin_z", of="face", whose="zmin", direction="z"),
+             (("force_ymin_y", 1), ("force_ymin_y", 0.5), ("force_zmin_z", 1))),
+            (row("force_zmin_y", of="face", whose="zmin", direction="y"), (None, None, ("force_zmin_y", 1))),
+            (row("force_xmax_x", of="face", whose="xmax", direction="x"),
+             (None, ("force_xmax_x", 0.5), ("force_xmax_x", 1))),
+            (row("force_xmin_x", of="face", whose="xmin", direction="x"), (None, ("force_xmin_x", 0.5), None)),
+            (row("force_ymin_y", of="face", whose="ymin", direction="y"), (None, None, ("force_ymin_y", 1))),
+            (row("highest", "value"), (("highest", 1), ("highest", 1), ("highest", 1))),
+            (row("particles", "run"), (None, None, ("particles", 1))),
+            (row("point_1_pressure", "value", "place"), (None, None, ("point_1_pressure", 1)))):
+        for way, due in zip((rings, plane, half), wanted):
+            got = way.carry(column)
+            runs.check(got == due or got and due and got[0] == due[0] and math.isclose(got[1], due[1]),
+                       f"{way.why[:12]}_{column['name']}", f"{got}, not {due}")
 
 
 def programs():
@@ -185,9 +328,10 @@ def programs():
     found = subprocess.run([sys.executable, os.path.join(TOOLS, "study.py"), short, "--vary",
                             "drop_velocity=0,-0.5;0,-1 spacing=2e-4..4e-4/2", "--quantity", "highest:end", "--output",
                             runs.scratch("study")], capture_output=True, text=True)
-    with open(os.path.join(runs.scratch("study"), "study.csv"), encoding="utf-8") as file:
+    with open(os.path.join(runs.scratch("study"), "drop_velocity_spacing", "study.csv"), encoding="utf-8") as file:
         rows = file.read().splitlines()
     runs.check(found.returncode == 0 and len(rows) == 5, "study", found.stdout + found.stderr)
+    runs.check([study.axis_value(word, 5) for word in ("-90", "3,4", "red")] == [-90, 5, 5], "axis_of_a_study")
     refused(lambda: study.vary("a"), "OPTION=VALUE", "refuses_vary")
     refused(lambda: study.values_of("1..2"), "LOW..HIGH/COUNT", "refuses_range")
 
@@ -204,10 +348,8 @@ def models():
         if not tolerance:
             continue
         path = scene(name, options + " -snapshot_interval 0 -checkpoint_interval 0 -series_interval 1e-4")
-        text, why = reduce.text(path)
-        lean = runs.scratch(f"{name}_reduced.opts")
-        with open(lean, "w", encoding="utf-8") as file:
-            file.write(text)
+        way = reduce.reduced(path)
+        why, lean = way.why, answer.write(runs.scratch(f"{name}_reduced.opts"), way, path)
         whole, part = (runs.series(runs.run(f"-options_file {file} ", os.path.basename(file)[:-5]))
                        for file in (path, lean))
         for column in ("kinetic_energy",) + (("highest",) if "gravity" in options else ()):  # else there is no height
@@ -216,7 +358,8 @@ def models():
             runs.check_within(ratio, 1 - tolerance, 1 + tolerance, f"{name}_{column}: {why[:30]}")
 
 
-PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs}
+PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
+         "holds": holds, "figures": figures, "carries": carries}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

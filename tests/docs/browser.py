@@ -132,8 +132,9 @@ def look(name, size, text):
     runs.check(ends[0] == 0 and 1 <= ends[1] * unit / size <= 1.5 and found["scale"][-1].endswith("m/s"),
                f"{name}: scale", found["scale"])
     series = tables.read_series(folder)
-    wanted = columns.chosen(series)
-    runs.check([head for head, _ in found["values"]] == [columns.title(column, 0)[0] for column in wanted],
+    rows = tables.rows_of(folder)
+    wanted = columns.chosen(series, rows)
+    runs.check([head for head, _ in found["values"]] == [columns.title(rows[column])[0] for column in wanted],
                f"{name}: a curve for each column", found["values"])
     for (head, value), numbers in zip(found["values"], wanted.values()):
         told, _, when = value.partition(" at ")

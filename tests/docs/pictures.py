@@ -2,6 +2,7 @@
 """What pictures show, by their data: a made-up run whose places, units, planes and signs are known. Nothing is
 rendered: figures are looked at as matplotlib holds them, views as the camera that they ask for."""
 import argparse
+import json
 import os
 import sys
 
@@ -22,6 +23,14 @@ LOWER, UPPER = (0.1, 0, 0), (0.4, 0.2, 0.3)
 # liquid: (place, velocity, pressure, volume over D0^3); the last two are not in the section y = 0.1
 LIQUID = [((0.15, 0.1, 0.05), (1, 2, 2), 900, 1), ((0.3, 0.105, 0.07), (0, 0, 0), -50, 8), ((0.2, 0.17, 0.2), (0, 3, 4),
           20, 1), ((0.2, 0.02, 0.2), (0, 0, 0.5), 30, 1)]
+HEADS = [{"file": "series.csv", "name": name, "unit": unit, "head": f"{name}_{unit}" if unit else name,
+         "counts": counts, "needs": needs} for name, unit, counts, needs in (
+             ("time", "s", "value", []), ("step", "", "run", []), ("jet_height", "m", "value", []),
+             ("kinetic_energy", "J", "sum", []), ("iterations", "", "run", ["step"]), ("highest", "m", "value", []),
+             ("volume", "m3", "sum", []), ("force_xmin_x", "N/m", "sum", ["step"]), ("height_1", "m", "value", []))]
+HEADS += [{"file": "snapshot", "name": name, "unit": unit, "head": name} for name, unit in (
+    ("velocity", "m/s"), ("pressure", "Pa"))]
+SERIES = {row["name"]: row for row in HEADS if row["file"] == "series.csv"}
 SHAPE = views.PANEL[1] / views.PANEL[0]
 FIGURES = {}
 
@@ -35,8 +44,12 @@ def close(got, wanted, name, tolerance=1e-6):
 def write(folder, times, lower, upper, options, liquid, solid=(), moved=(), **more):
     """A folder as a run leaves it. solid: (place, number of the solid) at the start, moved: the same in snapshots."""
     os.makedirs(folder)
-    with open(os.path.join(folder, "options.opts"), "w", encoding="utf-8") as file:
-        file.write(options)
+    given = dict(line[1:].split() for line in options.splitlines())
+    faces = [{"name": axis + end, "type": given.get(f"box_{axis}{end}", given.get(f"box_{axis}", "open"))}
+             for axis in "xyz" for end in ("min", "max")]
+    with open(os.path.join(folder, "scene.json"), "w", encoding="utf-8") as file:
+        json.dump({"domain": {"faces": faces}, "columns": HEADS,
+                   "bodies": [{"name": name} for name in given["bodies"].split(",")]}, file)
     with h5py.File(os.path.join(folder, "solids.h5"), "w") as file:
         file["position"] = np.array([place for place, _ in solid], float).reshape(-1, 3)
         file["solid"] = np.array([number for _, number in solid], int)
@@ -74,14 +87,12 @@ for seconds, words in ((0.0123, "12.3 ms"), (1.5, "1.5 s"), (1.5e-5, "15 µs"), 
 for length, wanted in ((2, (1, "m")), (0.05, (1e3, "mm")), (5e-4, (1e6, "µm"))):
     runs.check(data.scale(length) == wanted, f"unit_of_{length}_m", data.scale(length))
 close(data.bar(0.3), 0.05, "scale_bar_is_round")
-KINDS = {"time": "s", "height": "m", "depth": "m", "diameter": "m", "energy": "J", "work": "J", "volume": "m3",
-         "highest": "m", "step": "s"}
-wrong = [name for name, unit in tables.UNITS.items() if KINDS[name.rpartition("_")[2]] != unit]
-runs.check(not wrong, "units_of_columns", wrong)
-for name, dim, wanted in (("kinetic_energy", 2, ("kinetic energy", "J/m")), ("volume", 2, ("volume", "m2")),
-                          ("kinetic_energy", 3, ("kinetic energy", "J")), ("highest", 3, ("highest liquid", "m")),
-                          ("force_xmin_x_N/m", 2, ("force xmin x", "N/m")), ("height_1_m", 2, ("height 1", "m"))):
-    runs.check(columns.title(name, dim) == wanted, f"title_of_{name}_{dim}", columns.title(name, dim))
+for name, wanted in (("kinetic_energy", ("kinetic energy", "J")), ("highest", ("highest liquid", "m")),
+                     ("force_xmin_x", ("force xmin x", "N/m")), ("height_1", ("height 1", "m"))):
+    runs.check(columns.title(SERIES[name]) == wanted, f"title_of_{name}", columns.title(SERIES[name]))
+table = tables.Table({"time_s": [0], "time_step_s": [1], "a_m": [2], "a_b_m": [3]})
+runs.check(table["time"] == [0] and table["a"] == [2] and "b" not in table and table.get("a_b_m") == [3],
+           "columns_without_their_unit")
 
 # a run in space behind a mirror at x = 0.1, with a solid that has moved and one that stays
 STILL, START, THERE = (0.35, 0.1, 0.02), (0.3, 0.1, 0.25), (0.3, 0.1, 0.15)
@@ -210,9 +221,10 @@ label = FIGURES["curves"].axes[-1].get_xlabel()
 runs.check(label == "time (ms)", "time_of_curves", label)
 
 # moments between which the scene changes alike: nothing but the time passes until 6, then a height rises
-changes = {"time": [0, 6, 10], "step": [0, 1, 2], "highest": [1, 1, 3], "volume": [1, 2, 3], "height_1_m": [5] * 3}
-close(columns.progress(changes, [0, 6, 8, 10]), (0, 0.3, 0.65, 1), "half_of_the_change_is_the_height's")
-runs.check(list(columns.chosen(changes)) == ["highest"], "no_curve_of_a_constant", list(columns.chosen(changes)))
+changes = {"time": [0, 6, 10], "step": [0, 1, 2], "highest": [1, 1, 3], "volume": [1, 2, 3], "height_1": [5] * 3}
+close(columns.progress(changes, SERIES, [0, 6, 8, 10]), (0, 0.3, 0.65, 1), "half_of_the_change_is_the_height's")
+drawn = list(columns.chosen(changes, SERIES))
+runs.check(drawn == ["highest"], "no_curve_of_a_constant", drawn)
 run.files = [(time, "") for time in range(11)]
 with open(os.path.join(run.folder, "series.csv"), "w", encoding="utf-8") as file:
     file.write("time_s,step,highest_m\n0,0,1\n6,1,1\n10,2,3\n")
@@ -220,19 +232,25 @@ close([time for time, _ in run.moments(count=4)], (0, 6, 8, 10), "moments_of_equ
 close([time for time, _ in run.moments(count=99)], range(11), "no_moment_twice")
 
 # the report: the walls and solids with their contact angles
-LOG = ["  x: 0. to 1 m, wall to open, 8 cells of 1 m", "  y: 0. to 1 m, open to wall, 8 cells of 1 m",
-       "  solid   ball: sphere within 0., 0., 0. to 1, 1, 1 m", "  solid   peg: box within 0., 0., 0. to 1, 1, 1 m",
-       "Contact angles in degrees: xmin 50 to 70, ymax 90, ball 60"]
-SIDES = [["xmin", "wall", "50 to 70"], ["ymax", "wall", "90"], ["ball", "sphere", "60"], ["peg", "box", ""]]
-runs.check(report.walls(LOG) == SIDES, "contact_angles", report.walls(LOG))
+SCENE = {"domain": {"dimension": 3, "faces": [{"name": "xmin", "type": "wall", "velocity": [0, 0, 0]},
+                                              {"name": "xmax", "type": "open", "velocity": [0, 0, 0]},
+                                              {"name": "ymax", "type": "wall", "velocity": [1, 0, 0]}]},
+         "solids": [{"name": "ball", "shape": {"type": "sphere"}, "free": True, "driven": False, "motion": {"mass": 7}},
+                    {"name": "peg", "shape": {"type": "box"}, "free": False, "driven": True, "motion": {}}],
+         "tension": {"contact_angles": [{"name": "xmin", "receding": 50, "advancing": 70},
+                                        {"name": "ymax", "receding": 90, "advancing": 90},
+                                        {"name": "ball", "receding": 60, "advancing": 60}]}, "ranks": 2}
+SIDES = [["xmin", "wall", "50 to 70"], ["ymax", "wall, moves", "90"], ["ball", "sphere, free: mass 7 kg", "60"],
+         ["peg", "box, moves", ""]]
+runs.check(report.walls(SCENE) == SIDES, "contact_angles", report.walls(SCENE))
 
-# the report: the log's budget as it stands, and the cost, 8 s of 2 processes for 20 steps of 100 particles
-BUDGET = ["Error budget of the run", "  energy: 3 < 4 J", "  dominant: the tolerance"]
-text = report.energy(["before", *BUDGET, "after"])
-runs.check(text == "<pre>" + "\n".join(BUDGET).replace("<", "&lt;") + "</pre>", "the report has the log's budget", text)
-text = report.energy(BUDGET[:2])
-runs.check("not reached its end" in text, "no budget of a run that stopped", text)
+# the report: energies at the start and the end, and the cost, 8 s of 2 processes for 20 steps of 100 particles
+report.columns = columns  # which its main imports
+text = report.energy({"kinetic_energy": [1, 5, 3], "highest": [0, 1, 2]}, {k: SERIES[k] for k in ("kinetic_energy",
+                                                                                                  "highest")})
+runs.check("<td>kinetic energy, J</td><td class=n>1</td><td class=n>3</td><td class=n>2</td>" in text and
+           "highest" not in text, "the report has the energies", text)
 series = {"step": [0, 1, 20], "wall_time": [0, 1, 8], "particles": [100, 100, 100]}
-text = report.cost(series, ["Particles: 100 in a DMSwarm on 2 ranks"])
+text = report.cost(series, SCENE)
 runs.check("20 steps, 100 particles at the end, 2 processes, 8 s: 8e+03 µs" in text, "the report tells the cost", text)
 runs.done()

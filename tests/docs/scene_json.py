@@ -77,6 +77,8 @@ for k, (scene, file) in enumerate(zip(SCENES, files)):
     empty |= set(empty_lists(of_run))
     step = of_run.pop("step")
     bounds = [bound for name, bound in step.items() if name != "binds" and bound is not None]
+    told = [{o["name"]: o for o in one.pop("options")} for one in (file, of_run)]
+    runs.check(told[0]["-spacing"] == told[1]["-spacing"] and told[0]["-spacing"]["given"], f"options_of_{k}")
     runs.check(file.pop("step") == {} and file == of_run, f"run_{k}_and_option_write_the_same")
     runs.check(step[step["binds"]] == min(bounds) if bounds else step["binds"] is None, f"least_bound_{k}", str(step))
 unknown, missing = sorted(seen - set(documented)), sorted(set(documented) - seen - empty)
