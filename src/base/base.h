@@ -127,9 +127,8 @@ PetscErrorCode UserErrorSaid(void);
 /* The code that UserError returns. PetscCall hands it up without printing a stack trace. */
 #define ISPH_USER_ERROR PETSC_ERR_USER_INPUT
 
-/* ListNames - the registered names for an error message: "a, b, c". Not collective. */
+/* Of a list of names, or a text of help. */
 #define NAMES_LENGTH 1024
-PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH]);
 
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler). The handler is silent while
    the code of a UserError travels up through PetscCall. For any other error it collects PETSc's message and the calls,

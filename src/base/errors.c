@@ -19,22 +19,6 @@ static char      LastError[MESSAGE_LENGTH]; /* its sentence and the chain of cal
 static PetscBool Said    = PETSC_FALSE;     /* this rank has printed LastError */
 static MPI_Comm  Meeting = MPI_COMM_NULL;   /* for RanksMeet in ErrorFinish */
 
-PetscErrorCode ListNames(PetscFunctionList list, char names[NAMES_LENGTH])
-{
-  const char **array;
-  int          count;
-
-  PetscFunctionBegin;
-  names[0] = 0;
-  PetscCall(PetscFunctionListGet(list, &array, &count));
-  for (int k = 0; k < count && array[k]; k++) { /* PETSc counts the end too */
-    if (k) PetscCall(PetscStrlcat(names, ", ", NAMES_LENGTH));
-    PetscCall(PetscStrlcat(names, array[k], NAMES_LENGTH));
-  }
-  PetscCall(PetscFree(array));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Prints one line on standard error. Control characters in a user's text would act on the terminal, so they become
    '?'. */
 static void Say(const char message[])

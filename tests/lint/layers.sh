@@ -51,6 +51,12 @@ while IFS= read -r header; do
     fail "$header is neither the header of its folder, ${folder}_impl.h nor that of a file beside it"
 done < <(find src -name '*.h' | sort)
 
+# Options are rows: what reads one otherwise is unknown to -dump_options, scene.json and the refusal of unknown names.
+while IFS= read -r place; do
+  fail "$place reads an option that is no row of a table (base/option_rows.h)"
+done < <(grep -nE 'PetscOptions(Real|Int|Bool|String|FList|EList|Enum|Viewer)(Array)?\(' -r src --include='*.c' |
+         grep -vE '^src/(base/option_rows|domain/vectors)\.c:' | cut -d: -f1,2)
+
 [ "$count" -gt 0 ] || fail "no include was found under src/"
 [ "$bad" = 0 ] && echo "ok layers ($count includes)"
 [ "$bad" = 0 ]
