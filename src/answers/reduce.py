@@ -43,6 +43,8 @@ class Scene:
         self.known = launch.known(path, *more)
         self.model, self.domain = self.known["model"], self.known["domain"]
         self.options = {option["name"].lstrip("-"): option for option in self.known["options"] if option["given"]}
+        self.options.update({one["name"]: {"owner": "", "kind": "text", "value": one["value"]}
+                             for one in self.known["petsc_options"]})
         for name in NEVER:
             if name in self.options:
                 raise tables.RunError(f"-{name} belongs to the scene as it is.")

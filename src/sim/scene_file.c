@@ -26,6 +26,27 @@ static PetscErrorCode WriteColumn(void *context, const char file[], const Column
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The options that no class has read yet: those of PETSc's solvers. */
+static PetscErrorCode WriteOthers(Json *json)
+{
+  PetscInt count, restored;
+  char   **name, **value;
+
+  PetscFunctionBegin;
+  JsonArray(json, "petsc_options");
+  PetscCall(PetscOptionsLeftGet(NULL, &count, &name, &value));
+  for (PetscInt k = 0; k < count; k++) {
+    JsonObject(json, NULL);
+    JsonText(json, "name", name[k]);
+    JsonText(json, "value", value[k] ? value[k] : "");
+    JsonEnd(json);
+  }
+  restored = count;
+  PetscCall(PetscOptionsLeftRestore(NULL, &restored, &name, &value));
+  JsonEnd(json);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The text, to be freed with free. Rank 0 only. */
 static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
 {
@@ -49,6 +70,7 @@ static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
   StepperJson(sim->stepper, particles, &json);
   ModelJson(sim, &model, &json);
   PetscCall(OptionsJson(&json, PETSC_TRUE));
+  PetscCall(WriteOthers(&json));
   JsonArray(&json, "columns");
   PetscCall(OutputEachColumn(sim->output, WriteColumn, &json));
   JsonEnd(&json);

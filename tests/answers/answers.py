@@ -221,6 +221,8 @@ def reductions():
     wedge = reduce.reduced(scene("wedge", POOL + f"-solids p -p_shape stl -p_file {block} -p_scale 1e-3 "
                                  "-p_offset 0,0,-1e-3")).why
     runs.check("mirror plane across y: a half" in wedge, "wedge_of_an_stl_file", wedge)
+    lines = dict(reduce.reduced(scene("solver", WAVE + "-ksp_rtol 1e-6")).lines)
+    runs.check(lines.get("ksp_rtol") == "1e-6", "options_of_petsc_stay", str(lines))
     wave = launch.known(scene("wave", WAVE))["bodies"][0]["shape"]["numbers"]
     half = reduce.known_of(reduce.reduced(scene("wave", WAVE)).lines)["bodies"][0]["shape"]["numbers"]
     runs.check(half == wave, "half_of_a_wave", f"{half}, not {wave}")

@@ -14,7 +14,7 @@ TABLE = os.path.join(runs.ROOT, "options", "scene_json.md")
 FLAT = "-dimension 2 -spacing 0.1 -box_lower -1,-1 -box_upper 1,1 -time_end 1e-3 -gravity 0,-9.81 -bodies a " \
     "-a_lower -0.5,-0.5 -a_upper 0.5,0.5 "
 SCENES = (
-    FLAT,
+    FLAT + "-ksp_rtol 1e-6",
     FLAT + "-solids s -s_shape sphere -s_radius 0.2 -s_center 0.7,0.7 -s_holes h -h_shape sphere -h_radius 0.1 "
     "-h_center 0.7,0.7 -s_oscillation_amplitude 0.1,0 -s_oscillation_frequency 1000 -a_holes k -k_shape sphere "
     "-k_radius 0.2",
@@ -73,10 +73,14 @@ for k, (scene, file) in enumerate(zip(SCENES, files)):
     folder = runs.run(scene, f"run_{k}")
     with open(os.path.join(folder, "scene.json"), encoding="utf-8") as text:
         of_run = json.load(text)
+    seen |= set(paths(file)) - set(empty_lists(file))
     seen |= set(paths(of_run)) - set(empty_lists(of_run))
     empty |= set(empty_lists(of_run))
     step = of_run.pop("step")
     bounds = [bound for name, bound in step.items() if name != "binds" and bound is not None]
+    others = [{o["name"]: o["value"] for o in one.pop("petsc_options")} for one in (file, of_run)]
+    runs.check(others == [{"ksp_rtol": "1e-6"} if "-ksp_rtol" in scene else {}, {}], f"options_of_petsc_{k}",
+               str(others))
     told = [{o["name"]: o for o in one.pop("options")} for one in (file, of_run)]
     runs.check(told[0]["-spacing"] == told[1]["-spacing"] and told[0]["-spacing"]["given"], f"options_of_{k}")
     runs.check(file.pop("step") == {} and file == of_run, f"run_{k}_and_option_write_the_same")
