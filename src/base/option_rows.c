@@ -7,9 +7,10 @@
 
 static struct {
   PetscInt    n, capacity;
-  OptionNote *note; /* [n] */
-  const char *choice;
-} Notes = {.choice = ""}; /* choice: to which what is read now belongs */
+  OptionNote *note;       /* [n] */
+  const char *choice;     /* to which what is read now belongs */
+  PetscBool   registered; /* PETSc's end removes the notes */
+} Notes = {.choice = ""};
 
 /* --- the notes --- */
 
@@ -107,7 +108,8 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
   PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", prefix ? prefix : "", row->name + 1));
   note = Find(name, OptionsAll() ? Notes.choice : NULL); /* choices may share a name */
   if (note && !read) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!Notes.capacity) PetscCall(PetscRegisterFinalize(OptionsForget));
+  if (!Notes.registered) PetscCall(PetscRegisterFinalize(OptionsForget));
+  Notes.registered = PETSC_TRUE;
   if (!note && Notes.n == Notes.capacity) {
     Notes.capacity = 2 * Notes.capacity + 256;
     PetscCall(PetscRealloc((size_t)Notes.capacity * sizeof(*Notes.note), &Notes.note));
