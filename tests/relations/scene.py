@@ -1,13 +1,13 @@
 """Scenes as options: read from files, made coarse, and seen from elsewhere: shifted, turned, mirrored, in other units.
 An option that these do not know stops them with a sentence, so that a new one is not forgotten."""
+import json
 import os
 import re
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "options"), os.path.join(ROOT, "src", "answers")]
-import manual  # noqa: E402
+sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "src", "answers")]
 import numpy as np  # noqa: E402
 import reduce  # noqa: E402
 
@@ -25,8 +25,8 @@ ORIGINS = {"sphere": "center", "cylinder": "center", "ellipsoid": "center", "thr
            "rotation": "rotation_center", "strain": "strain_center"}
 # Powers of length, time and mass of the units; of a plane everything is per metre.
 UNITS = {"m": (1, 0, 0), "s": (0, 1, 0), "m/s": (1, -1, 0), "m/s2": (1, -2, 0), "Hz": (0, -1, 0), "1/s": (0, -1, 0),
-         "rad/s": (0, -1, 0), "kg/m3": (-3, 0, 1), "Pa s": (-1, -1, 1), "N/m": (0, -2, 1)}
-UNSAID = {"yield_stress": (-1, -2, 1), "mass": (0, 0, 1), "inertia": (2, 0, 1)}
+         "rad/s": (0, -1, 0), "kg/m3": (-3, 0, 1), "Pa s": (-1, -1, 1), "N/m": (0, -2, 1), "Pa": (-1, -2, 1),
+         "kg": (0, 0, 1), "kg m2": (2, 0, 1)}
 PLANE = {"mass", "inertia"}  # whose units in a plane are per metre
 
 
@@ -214,13 +214,9 @@ def mapped(scene, matrix, shift):
 
 def units():
     """{name of an option, without its body's: powers of length, time, mass}; words and pure numbers have none."""
-    found = {}
-    for _, rows in manual.groups():
-        for names, _, unit, _, _ in rows:
-            for name in re.findall(r"`-(.*?)`", names):
-                name = re.sub(r"^<\w+>_", "", name)
-                found[name] = UNITS.get(unit, UNSAID.get(name, (0, 0, 0)))
-    return found
+    with open(os.path.join(ROOT, "options", "options.json"), encoding="utf-8") as file:
+        rows = json.load(file)["options"]
+    return {re.sub(r"^-(<\w+>_)?", "", row["name"]): UNITS.get(row["unit"], (0, 0, 0)) for row in rows}
 
 
 def scaled(scene, length, time, mass):

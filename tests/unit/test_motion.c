@@ -83,6 +83,17 @@ static PetscErrorCode TestStop(void)
   CHECK_CLOSE(moved, 0, 1e-12, "a_table_that_stands_still");
   CHECK_CLOSE(PetscMax(beyond, 0), 0, 1e-12, "a_table_that_turns");
   PetscCall(Free(&domain, &scene));
+  PetscCall(WriteTable("0,0,0\n1,0.01,0\n1.1,0.6,0\n")); /* a steep row does not pull the curve below the first */
+  PetscCall(Read(MOVING, &domain, &scene));
+  beyond = 0;
+  for (PetscInt k = 0; k <= 100; k++) {
+    PetscReal x[DIM] = {0.1, 0, 0};
+
+    BodyMove(SceneSolid(scene, 0), 0, 0.01 * k, x);
+    beyond = PetscMax(beyond, 0.1 - x[0]);
+  }
+  CHECK_CLOSE(beyond, 0, 1e-12, "a_table_that_grows_steep");
+  PetscCall(Free(&domain, &scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
