@@ -327,6 +327,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscInt  iterations = 0, lost = state->lost;
 
   PetscFunctionBegin;
+  SceneSetTime(cloud->scene, state->time); /* the step is that of the force now, after a restart, too */
   PetscCall(StepSize(stepper, state, end, &dt));
   stepper->first = (PetscBool)(state->step == 0);
   stepper->time  = state->time;

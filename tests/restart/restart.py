@@ -63,6 +63,10 @@ LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_
  -bodies drop,bath -bodies_overlap -drop_shape sphere -drop_radius 3e-3 -drop_center 5e-3,5e-3 -drop_density 700
  -drop_tension 0.03 -drop_velocity 0,-0.2 -bath_upper 16e-3,6e-3 -bath_viscosity 3.5e-3 -bath_tension 0.067
  -interface_tension 0.045 -snapshot_double -checkpoint_interval 3e-3 -sort_interval 7 -time_step_max 3e-4 """
+# A tank whose shaking bounds the step.
+SHAKEN = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.5 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -gravity_amplitude 8,0 -gravity_frequency 4 -bodies water -water_upper 1,0.3 -snapshot_double
+ -checkpoint_interval 2e-2 -sort_interval 7 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
@@ -173,8 +177,8 @@ def clock():
 
 
 SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, [1, 3]), "plane": (PLANE, 0.02, 1, [2]),
-          "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]), "tori": (TORI, 1e-3, 1, [3]),
-          "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1]),
+          "shaken": (SHAKEN, 0.02, 1, []), "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]),
+          "tori": (TORI, 1e-3, 1, [3]), "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1]),
           "following": (FOLLOWING, 1e-3, 2, [1]), "following_tori": (FOLLOWING_TORI, 1e-3, 1, [2])}
 ALONE = {"inside": inside, "clock": clock}
 for part in runs.parts(*SCENES, *ALONE):
