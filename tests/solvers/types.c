@@ -4,11 +4,16 @@
 
 static PetscErrorCode Print(const char title[], PetscFunctionList list)
 {
-  char names[NAMES_LENGTH];
+  const char **names;
+  int          count;
 
   PetscFunctionBegin;
-  PetscCall(ListNames(list, names));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s: %s\n", title, names));
+  PetscCall(PetscFunctionListGet(list, &names, &count));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s:", title));
+  for (int k = 0; k < count && names[k]; k++) /* PETSc counts the end too */
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "%s %s", k ? "," : "", names[k]));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n"));
+  PetscCall(PetscFree(names));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
