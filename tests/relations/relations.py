@@ -27,7 +27,7 @@ import kept  # noqa: E402
 import numpy as np  # noqa: E402
 import random_scenes  # noqa: E402
 import runs  # noqa: E402
-from scene import CORNERS, Scene, Unfit, coarse, files, mapped, reduce, scaled  # noqa: E402
+from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
 
 TENTHS, QUARTERS = 10, "abcd"
 FACTORS = [8, 5.5, 4, 2.75, 2, 1.375, 1]  # spacings over the file's, of which the first is taken that the scene bears
@@ -185,7 +185,7 @@ def dump(t):
     done = runs.start([*t.scene.words(), "-steps_max", str(t.steps), "-dump_options", path])
     if done.returncode:
         return [f"code {done.returncode}: {done.stderr.strip()[-300:]}"]
-    words = Scene(t.scene.name, reduce.read(path))
+    words = Scene(t.scene.name, read(path))
     words = words.copy(**{name: None for name in ("steps_max", "packing_cache", "output_dir")})
     return same(t.plain, t.run(words))
 
@@ -298,17 +298,18 @@ def half(t):
     path, (scene, whole) = t.file("whole.opts"), t.even
     with open(path, "w", encoding="utf-8") as file:
         file.write(reduce.as_text(list(scene.options.items())))
-    model = reduce.Model(path, ["-steps_max", str(t.steps)])
-    planes = [letter for letter in model.mirrors if letter != "xyz"[t.scene.dim - 1]]
-    if not planes:
-        raise Unfit("; ".join(model.against) or "there is no mirror")
     try:
-        lines, _ = reduce.mirrored(reduce.Scene(path, model), planes[:2])
+        known = reduce.Scene(path, ["-steps_max", str(t.steps)])
+        mirrors = [m for m in known.model["mirrors"] if m["holds"] and m["across"] != "xyz"[t.scene.dim - 1]][:2]
+        if not mirrors:
+            raise Unfit("; ".join(m["why"] for m in known.model["mirrors"] if m["why"]) or "there is no mirror")
+        lines = reduce.mirrored(known, mirrors).lines
     except reduce.tables.RunError as error:
         raise Unfit(str(error)) from error
     part = Scene(t.scene.name, {k: v for k, v in lines if k != "gauge_multiplicity"})
-    places, images = whole.first["position"], 2**len(planes[:2])
-    for letter in planes[:2]:
+    planes = [m["across"] for m in mirrors]
+    places, images = whole.first["position"], 2**len(planes)
+    for letter in planes:
         d = "xyz".index(letter)
         seen = places.copy()
         seen[:, d] = 2 * part.vector("box_lower")[d] - seen[:, d]

@@ -3,6 +3,7 @@ An option that these do not know stops them with a sentence, so that a new one i
 import json
 import os
 import re
+import shlex
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -128,6 +129,24 @@ class Scene:
         return Scene(self.name, {**{n: v for n, v in more.items() if n not in self.options}, **self.options})
 
 
+def read(path):
+    """The options of a file and of those that it names, {name: words} in their order; the last of equal ones counts."""
+    options = {}
+    with open(path, encoding="utf-8") as file:
+        words = shlex.split(file.read(), comments=True)
+    for k, word in enumerate(words):
+        if word[:1] != "-" or not word[1:2].isalpha():
+            continue
+        after = words[k + 1] if k + 1 < len(words) else "-end"
+        value = "" if after[:1] == "-" and after[1:2].isalpha() else after
+        if word == "-options_file":
+            options.update(read(os.path.join(ROOT, value)))
+        else:
+            options.pop(word[1:], None)
+            options[word[1:]] = value
+    return options
+
+
 def files():
     """[(name, scene)] of every option file of cases/ and options/: with what it is put behind, if it is none alone."""
     found = []
@@ -136,11 +155,11 @@ def files():
         for folder, _, names in sorted(os.walk(os.path.join(ROOT, top))):
             for file in sorted(n for n in names if n.endswith(".opts")):
                 path = os.path.join(folder, file)
-                options = reduce.read(path)
+                options = read(path)
                 if "bodies" not in options:
                     base = impact if top == "options" else os.path.join(
                         folder, "axisymmetric.opts" if "axisymmetric" in file else "case.opts")
-                    options = {**reduce.read(base), **options}
+                    options = {**read(base), **options}
                 name = os.path.relpath(path, ROOT).replace("cases/", "").replace(".opts", "")
                 found.append(Scene(name, {k: v for k, v in options.items() if not OUTPUT.match(k)}))
     return found
