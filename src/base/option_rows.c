@@ -7,10 +7,10 @@
 
 static struct {
   PetscInt    n, capacity;
-  OptionNote *note;       /* [n] */
-  const char *choice;     /* to which what is read now belongs */
-  PetscBool   registered; /* PETSc's end removes the notes */
-} Notes = {.choice = ""};
+  OptionNote *note;                       /* [n] */
+  char        choice[OPTION_NAME_LENGTH]; /* to which what is read now belongs; an error may leave it */
+  PetscBool   registered;                 /* PETSc's end removes the notes */
+} Notes;
 
 /* --- the notes --- */
 
@@ -26,6 +26,7 @@ PetscErrorCode OptionsForget(void)
   for (PetscInt k = 0; k < Notes.n; k++) PetscCall(PetscFree(Notes.note[k].text));
   PetscCall(PetscFree(Notes.note));
   Notes.n = Notes.capacity = 0;
+  Notes.choice[0]          = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,28 +361,30 @@ PetscErrorCode OptionsRead(OptionItems items, const OptionRow rows[], const char
 
 PetscErrorCode OptionsNote(const char prefix[], const char why[], const OptionRow rows[])
 {
-  const char *before = Notes.choice;
+  char before[OPTION_NAME_LENGTH];
 
   PetscFunctionBegin;
-  Notes.choice = why;
+  PetscCall(PetscStrncpy(before, Notes.choice, sizeof(before)));
+  if (why != Notes.choice) PetscCall(PetscStrncpy(Notes.choice, why, sizeof(Notes.choice)));
   for (const OptionRow *row = rows; row && row->name; row++)
     PetscCall(Note(row, prefix, NULL, NULL, PETSC_FALSE, NULL, ""));
-  Notes.choice = before;
+  PetscCall(PetscStrncpy(Notes.choice, before, sizeof(Notes.choice)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode OptionsReadIf(OptionItems items, PetscBool applies, const char why[], const OptionRow rows[],
                              const char place[], void *data)
 {
-  const char *before = Notes.choice;
+  char before[OPTION_NAME_LENGTH];
 
   PetscFunctionBegin;
-  if (!applies) Notes.choice = why;
+  PetscCall(PetscStrncpy(before, Notes.choice, sizeof(before)));
+  if (!applies) PetscCall(PetscStrncpy(Notes.choice, why, sizeof(Notes.choice)));
   if (applies || OptionsAll())
     PetscCall(OptionsRead(items, rows, place, data));
   else
-    PetscCall(OptionsNote(items->prefix, why, rows));
-  Notes.choice = before;
+    PetscCall(OptionsNote(items->prefix, Notes.choice, rows));
+  PetscCall(PetscStrncpy(Notes.choice, before, sizeof(Notes.choice)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -403,21 +406,18 @@ PetscErrorCode ChoiceFind(MPI_Comm comm, const Choice *const choices[], const ch
 PetscErrorCode ChoicesRead(const Choice *const choices[], const char option[], const char prefix[],
                            const Choice *chosen, PetscBool all, ChoiceReader reader, void *object)
 {
-  char text[OPTION_NAME_LENGTH];
-
   PetscFunctionBegin;
   for (PetscInt k = 0, last = 0; !last; k++) {
     const Choice *choice = choices[k] ? choices[k] : chosen;
 
     last = !choices[k];
-    PetscCall(PetscSNPrintf(text, sizeof(text), "%s %s", option, choice->name));
-    Notes.choice = text;
+    PetscCall(PetscSNPrintf(Notes.choice, sizeof(Notes.choice), "%s %s", option, choice->name));
     if (last || all)
       PetscCall((*reader)(object, choice));
     else if (choice != chosen)
-      PetscCall(OptionsNote(prefix, text, choice->options));
+      PetscCall(OptionsNote(prefix, Notes.choice, choice->options));
   }
-  Notes.choice = "";
+  Notes.choice[0] = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

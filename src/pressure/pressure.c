@@ -37,23 +37,31 @@ PetscErrorCode PressureCreate(Cloud cloud, Pressure *pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds the functions of the types that the pressure names. */
+static PetscErrorCode FindTypes(Pressure p)
+{
+  const MPI_Comm comm = p->cloud->comm;
+  const Choice  *choice;
+
+  PetscFunctionBegin;
+  PetscCall(ChoiceFind(comm, Sources, "-pressure_source", p->source_type, &choice));
+  p->source = ((const SourceChoice *)choice)->apply;
+  PetscCall(ChoiceFind(comm, Closures, "-pressure_closure", p->closure_type, &choice));
+  p->closure = ((const ClosureChoice *)choice)->apply;
+  PetscCall(ChoiceFind(comm, Gradients, "-pressure_gradient", p->gradient_type, &choice));
+  p->gradient = ((const GradientChoice *)choice)->apply;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const char closure[], const char gradient[],
                                 PetscBool summed)
 {
-  const MPI_Comm comm = pressure->cloud->comm;
-  const Choice  *choice;
-
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(pressure->source_type, source, sizeof(pressure->source_type)));
   PetscCall(PetscStrncpy(pressure->closure_type, closure, sizeof(pressure->closure_type)));
   PetscCall(PetscStrncpy(pressure->gradient_type, gradient, sizeof(pressure->gradient_type)));
-  PetscCall(ChoiceFind(comm, Sources, "-pressure_source", source, &choice));
-  pressure->source = ((const SourceChoice *)choice)->apply;
-  PetscCall(ChoiceFind(comm, Closures, "-pressure_closure", closure, &choice));
-  pressure->closure = ((const ClosureChoice *)choice)->apply;
-  PetscCall(ChoiceFind(comm, Gradients, "-pressure_gradient", gradient, &choice));
-  pressure->gradient = ((const GradientChoice *)choice)->apply;
-  pressure->summed   = summed;
+  PetscCall(FindTypes(pressure));
+  pressure->summed = summed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -140,8 +148,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(OptionsRead(PetscOptionsObject, types, __func__, pressure));
   PetscCall(OptionsRead(PetscOptionsObject, numbers, __func__, pressure));
   PetscOptionsEnd();
-  PetscCall(PressureSetTypes(pressure, pressure->source_type, pressure->closure_type, pressure->gradient_type,
-                             pressure->summed));
+  PetscCall(FindTypes(pressure));
   PetscCall(CheckMatrixType(pressure));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
