@@ -1,6 +1,5 @@
 /* Tables of options: reading, and the notes of what was read. */
 #include "json.h"
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -194,10 +193,9 @@ static PetscBool Inside(const char interval[], PetscReal x)
 
 /* One option that is being read. */
 typedef struct {
-  OptionItems      items;
   const OptionRow *row;
-  const char      *prefix, *place;
-  char             help[NAMES_LENGTH], given[OPTION_TEXT_LENGTH]; /* the text that the user gave */
+  const char      *prefix, *place, *given; /* given: the text that the user gave, borrowed, or "" */
+  char             help[NAMES_LENGTH];
   PetscBool        set;
   void            *value;
 } Reading;
@@ -231,15 +229,6 @@ static PetscErrorCode ReadInt(Reading *r, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads a text for PETSc's help, with the default that the row tells. */
-static PetscErrorCode ReadText(Reading *r, OptionItems PetscOptionsObject, const char standard[], char text[],
-                               size_t length)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscOptionsString(r->row->name, r->help, r->place, standard, text, length, NULL));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadWord(Reading *r, OptionItems PetscOptionsObject)
 {
   int      *value                    = (int *)r->value, k;
@@ -248,7 +237,7 @@ static PetscErrorCode ReadWord(Reading *r, OptionItems PetscOptionsObject)
 
   PetscFunctionBegin;
   PetscCall(Words(r->row, list));
-  PetscCall(ReadText(r, PetscOptionsObject, r->row->words[*value], word, sizeof(word)));
+  PetscCall(PetscOptionsString(r->row->name, r->help, r->place, r->row->words[*value], word, sizeof(word), NULL));
   for (k = 0; r->set && r->row->words[k]; k++) {
     PetscCall(PetscStrcasecmp(word, r->row->words[k], &same));
     if (same) break;
@@ -265,7 +254,7 @@ static PetscErrorCode ReadChoice(Reading *r, OptionItems PetscOptionsObject)
   const Choice *choice;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(r, PetscOptionsObject, value, value, OPTION_WORD_LENGTH));
+  PetscCall(PetscOptionsString(r->row->name, r->help, r->place, value, value, OPTION_WORD_LENGTH, NULL));
   PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", r->prefix, r->row->name + 1));
   PetscCall(ChoiceFind(PetscOptionsObject->comm, r->row->choices, name, value, &choice));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -319,7 +308,8 @@ static PetscErrorCode Read(Reading *r, OptionItems PetscOptionsObject)
     break;
   case ROW_TEXT:
   case ROW_FILE: /* the path comes first */
-    PetscCall(ReadText(r, PetscOptionsObject, (char *)r->value, (char *)r->value, PETSC_MAX_PATH_LEN));
+    PetscCall(PetscOptionsString(r->row->name, r->help, r->place, (char *)r->value, (char *)r->value,
+                                 PETSC_MAX_PATH_LEN, NULL));
     break;
   case ROW_NUMBERS:
     PetscCall(ReadNumbers(r, PetscOptionsObject));
@@ -338,13 +328,14 @@ PetscErrorCode OptionsReadVectors(OptionItems items, const OptionRow rows[], con
 {
   PetscFunctionBegin;
   for (const OptionRow *row = rows; row && row->name; row++) {
-    Reading r = {.items = items, .row = row, .place = place, .value = (char *)data + row->offset};
+    Reading r = {.row = row, .place = place, .value = (char *)data + row->offset};
     char    standard[OPTION_TEXT_LENGTH];
 
     r.prefix = items->prefix ? items->prefix : "";
     PetscCall(OptionHelp(row, r.help));
     Tell(row, data, standard);
-    PetscCall(PetscOptionsGetString(items->options, items->prefix, row->name, r.given, sizeof(r.given), &r.set));
+    PetscCall(PetscOptionsFindPair(items->options, items->prefix, row->name, &r.given, &r.set)); /* of any length */
+    if (!r.given) r.given = "";
     if (row->kind >= ROW_POINT && vector)
       PetscCall((*vector)(context, items, row, r.help, place, (PetscReal *)r.value));
     else

@@ -23,7 +23,7 @@ typedef enum {
 #define OPTION_WORD_LENGTH  64   /* of a chosen name */
 #define OPTION_NUMBERS_MOST 10   /* of OptionNumbers */
 #define OPTION_NAME_LENGTH  128  /* of an option */
-#define OPTION_TEXT_LENGTH  1024 /* of a value */
+#define OPTION_TEXT_LENGTH  1024 /* of a default value */
 
 typedef struct Choice Choice;
 
@@ -105,9 +105,9 @@ typedef struct {
   char       *text;             /* holds all these */
 } OptionNote;
 
-/* OptionsNoted - the notes in the order of reading; each name once, as it was last read; with OptionsAll
-   once for each choice that has it. OptionFind - a note by name;
-   NULL: none. Not collective. OptionsForget - removes the notes; call it before a scene is read. Collective. */
+/* OptionsNoted - the notes in the order of reading; each name once, as it was last read, and with OptionsAll once for
+   each choice that has it. OptionFind - a note by name; NULL: none. Not collective. OptionsForget - removes the notes;
+   call it before a scene is read. Collective. */
 const OptionNote *OptionsNoted(PetscInt *count);
 const OptionNote *OptionFind(const char name[]);
 PetscErrorCode    OptionsForget(void);

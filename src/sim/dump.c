@@ -4,16 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Options that say what to do with the scene, not what it is. */
-static const char *const deeds[] = {DUMP_OPTION, LIST_OPTION, SCENE_OPTION, "-dry_run", "-scene_model"};
-
-static PetscBool IsDeed(const char name[])
-{
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(deeds); k++)
-    if (!strcmp(name, deeds[k])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* An option as two lines: what it means, and its value, behind a # if it is the default. The default of a list of
    numbers is left out: how many are allowed depends on the dimension. */
 static PetscErrorCode WriteOption(FILE *file, const OptionNote *note)
@@ -29,23 +19,26 @@ static PetscErrorCode WriteOption(FILE *file, const OptionNote *note)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the options that no class has read yet: those of PETSc's solvers. */
-static PetscErrorCode WriteOthers(FILE *file)
+PetscErrorCode OthersVisit(OtherVisitor visit, void *context)
 {
   PetscInt count, restored;
   char   **name, **value;
 
   PetscFunctionBegin;
-  fprintf(file, "\n# --- PETSc's own options in use ---\n");
   PetscCall(PetscOptionsLeftGet(NULL, &count, &name, &value));
-  for (PetscInt k = 0; k < count; k++)
-    fprintf(file, "-%s%s%s\n", name[k], value[k] ? " " : "", value[k] ? value[k] : "");
+  for (PetscInt k = 0; k < count; k++) visit(context, name[k], value[k] ? value[k] : "");
   restored = count;
   PetscCall(PetscOptionsLeftRestore(NULL, &restored, &name, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteDump(FILE *file)
+/* An OtherVisitor. */
+static void WriteOther(void *file, const char name[], const char value[])
+{
+  fprintf((FILE *)file, "-%s%s%s\n", name, value[0] ? " " : "", value);
+}
+
+static PetscErrorCode WriteDump(Sim sim, FILE *file)
 {
   PetscInt          n;
   const OptionNote *note  = OptionsNoted(&n);
@@ -54,17 +47,18 @@ static PetscErrorCode WriteDump(FILE *file)
   PetscFunctionBegin;
   fprintf(file, "# All options of this scene; options behind a # have their default.\n");
   for (PetscInt k = 0; k < n; k++) {
-    if (!note[k].read || IsDeed(note[k].name)) continue;
+    if (!note[k].read || !strcmp(note[k].title, DEEDS)) continue;
     if (strcmp(note[k].title, title)) fprintf(file, "\n# --- %s ---\n", note[k].title);
     title = note[k].title;
     PetscCall(WriteOption(file, &note[k]));
   }
-  PetscCall(WriteOthers(file));
+  fprintf(file, "\n# --- PETSc's own options in use ---\n");
+  PetscCall(OthersVisit(WriteOther, file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* All options of the program, with <body> for the name of a body, and what cannot be used together. */
-static PetscErrorCode WriteList(FILE *file)
+static PetscErrorCode WriteList(Sim sim, FILE *file)
 {
   Json json = {.file = file};
 
@@ -76,31 +70,30 @@ static PetscErrorCode WriteList(FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a file on rank 0. */
-static PetscErrorCode Write(MPI_Comm comm, const char path[], PetscErrorCode (*write)(FILE *))
+PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWriter write)
 {
   PetscMPIInt rank;
   int         error = 0;
 
   PetscFunctionBegin;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
   if (!rank) {
     FILE *file = fopen(path, "w");
 
-    if (file) PetscCall((*write)(file));
+    if (file) PetscCall((*write)(sim, file));
     if (!file || fclose(file)) error = errno;
   }
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
-  PetscCheckUser(!error, comm, "cannot write the options file %s: %s", path, strerror(error));
-  PetscCall(PetscPrintf(comm, "all options of this scene are in %s\n", path));
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
+  PetscCheckUser(!error, sim->comm, "cannot write the %s into %s: %s", what, path, strerror(error));
+  PetscCall(PetscPrintf(sim->comm, "the %s is in %s\n", what, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode DumpOptions(Sim sim)
 {
   PetscFunctionBegin;
-  PetscCall(Write(sim->comm, sim->dump, WriteDump));
-  PetscCall(Write(sim->comm, sim->list, WriteList));
+  PetscCall(FileWrite(sim, sim->dump, "options file", WriteDump));
+  PetscCall(FileWrite(sim, sim->list, "list of options", WriteList));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,7 @@
 /* scene.json: what the program knows about a scene, for programs. Each part writes its own. */
 #include "sim_impl.h"
-#include <errno.h>
-#include <string.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* A ColumnVisitor. */
 static PetscErrorCode WriteColumn(void *context, const char file[], const Column *column, const ColumnWords *words)
@@ -26,37 +26,24 @@ static PetscErrorCode WriteColumn(void *context, const char file[], const Column
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The options that no class has read yet: those of PETSc's solvers. */
-static PetscErrorCode WriteOthers(Json *json)
+/* An OtherVisitor. */
+static void WriteOther(void *context, const char name[], const char value[])
 {
-  PetscInt count, restored;
-  char   **name, **value;
+  Json *json = (Json *)context;
 
-  PetscFunctionBegin;
-  JsonArray(json, "petsc_options");
-  PetscCall(PetscOptionsLeftGet(NULL, &count, &name, &value));
-  for (PetscInt k = 0; k < count; k++) {
-    JsonObject(json, NULL);
-    JsonText(json, "name", name[k]);
-    JsonText(json, "value", value[k] ? value[k] : "");
-    JsonEnd(json);
-  }
-  restored = count;
-  PetscCall(PetscOptionsLeftRestore(NULL, &restored, &name, &value));
+  JsonObject(json, NULL);
+  JsonText(json, "name", name);
+  JsonText(json, "value", value);
   JsonEnd(json);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The text, to be freed with free. Rank 0 only. */
-static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
+static PetscErrorCode WriteScene(Sim sim, PetscBool particles, FILE *file)
 {
-  size_t      length;
-  Json        json = {.file = open_memstream(text, &length)};
+  Json        json = {.file = file};
   SceneModel  model;
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCheck(json.file, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
   PetscCallMPI(MPI_Comm_size(sim->comm, &ranks));
   ModelFind(sim, &model);
   JsonObject(&json, NULL);
@@ -70,33 +57,42 @@ static PetscErrorCode MakeText(Sim sim, PetscBool particles, char **text)
   StepperJson(sim->stepper, particles, &json);
   ModelJson(sim, &model, &json);
   PetscCall(OptionsJson(&json, PETSC_TRUE));
-  PetscCall(WriteOthers(&json));
+  JsonArray(&json, "petsc_options");
+  PetscCall(OthersVisit(WriteOther, &json));
+  JsonEnd(&json);
   JsonArray(&json, "columns");
   PetscCall(OutputEachColumn(sim->output, WriteColumn, &json));
   JsonEnd(&json);
   JsonEnd(&json);
-  PetscCheck(!ferror(json.file) && !fclose(json.file), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep scene.json");
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A FileWriter, before there are particles. */
+static PetscErrorCode WriteAlone(Sim sim, FILE *file)
+{
+  return WriteScene(sim, PETSC_FALSE, file);
 }
 
 PetscErrorCode SceneFileWrite(Sim sim, const char path[])
 {
   PetscMPIInt rank;
-  char       *text  = NULL;
-  int         error = 0;
+  size_t      length;
+  char       *text = NULL;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
-  if (!rank) PetscCall(MakeText(sim, (PetscBool)!path, &text));
-  if (!path) PetscCall(OutputText(sim->output, OUTPUT_SCENE, text));
-  if (path && !rank) {
-    FILE *file = fopen(path, "w");
-
-    if (!file || fputs(text, file) < 0) error = errno;
-    if (file && fclose(file) && !error) error = errno;
+  if (path) {
+    PetscCall(FileWrite(sim, path, "scene", WriteAlone));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
+  if (!rank) {
+    FILE *stream = open_memstream(&text, &length);
+
+    PetscCheck(stream, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+    PetscCall(WriteScene(sim, PETSC_TRUE, stream));
+    PetscCheck(!fclose(stream), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+  }
+  PetscCall(OutputText(sim->output, OUTPUT_SCENE, text));
   free(text);
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
-  PetscCheckUser(!error, sim->comm, "cannot write the scene file %s: %s", path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,15 +29,6 @@ static const OptionRow options[] = {
    "Checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids and bodies must be the "
    "same, but for their viscosity",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
-  {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene, and stop",
-   NULL, NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
-  {"-scene_model",
-   "Print which models hold for the scene (rings, mirrors, a plane; without tension, viscosity or gravity), and stop",
-   NULL, NULL, ROW_BOOL, offsetof(struct _p_Sim, model)},
-  {SCENE_OPTION,
-   "Write what the program knows about the scene into a file (options/scene_json.md), as each run does into its "
-   "folder, and stop",
-   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, scene_json)},
   {"-progress_interval", "Wall-clock time between progress lines; 0: none but the summary at the end", "s", "[0, inf)",
    ROW_REAL, offsetof(struct _p_Sim, progress_interval)},
   {"-wall_clock_limit",
@@ -56,29 +47,38 @@ static const OptionRow options[] = {
    offsetof(struct _p_Sim, relaxation_step)},
   {"-packing_relaxation_speed", "Rms speed below which the relaxation ends early; 0: never", "m/s", "[0, inf)",
    ROW_REAL, offsetof(struct _p_Sim, relaxation_speed)},
-  {DUMP_OPTION, "Write a commented options file of the scene with all options, and stop", NULL, NULL, ROW_TEXT,
+  {.name = NULL},
+};
+
+static const OptionRow deeds[] = {
+  {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,
+   NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
+  {"-scene_model",
+   "Print which models hold for the scene (rings, mirrors, a plane; without tension, viscosity or gravity)", NULL, NULL,
+   ROW_BOOL, offsetof(struct _p_Sim, model)},
+  {SCENE_OPTION,
+   "Write what the program knows about the scene into a file (options/scene_json.md), as each run does into its folder",
+   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, scene_json)},
+  {DUMP_OPTION, "Write a commented options file of the scene with all options", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, dump)},
-  {LIST_OPTION, "Write a list of all options, with or without a scene, and stop", NULL, NULL, ROW_TEXT,
+  {LIST_OPTION, "Write a list of all options, with or without a scene", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, list)},
   {.name = NULL},
 };
 
 static PetscErrorCode ReadOwnOptions(Sim sim)
 {
-  static const char *const files[] = {DUMP_OPTION, LIST_OPTION, SCENE_OPTION};
-  const char *const        path[]  = {sim->dump, sim->list, sim->scene_json};
-
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
   PetscCall(OptionsRead(PetscOptionsObject, options, "SimSetFromOptions", sim));
   PetscOptionsEnd();
+  PetscOptionsBegin(sim->comm, NULL, DEEDS, "Sim");
+  PetscCall(OptionsRead(PetscOptionsObject, deeds, "SimSetFromOptions", sim));
+  PetscOptionsEnd();
   PetscCall(PetscOptionsHasName(NULL, NULL, "-time_end", &sim->has_end));
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(files); k++) {
-    PetscBool set;
-
-    PetscCall(PetscOptionsHasName(NULL, NULL, files[k], &set));
-    PetscCheckUser(!set || path[k][0], sim->comm, "%s needs the name of the file to write", files[k]);
-  }
+  for (const OptionRow *row = deeds; row->name; row++)
+    PetscCheckUser(row->kind != ROW_TEXT || !OptionFind(row->name)->given || ((char *)sim + row->offset)[0], sim->comm,
+                   "%s needs the name of the file to write", row->name);
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
   InterruptSilence((double)sim->wall_clock_silence);

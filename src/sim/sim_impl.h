@@ -61,6 +61,15 @@ PetscErrorCode MonitorDestroy(Sim sim);
 PetscErrorCode RefuseCombinations(Sim sim);
 PetscErrorCode RefusalsHelp(MPI_Comm comm);
 void           RefusalsJson(Json *json);
+/* DEEDS - the title of the options that say what to do with the scene, not what it is. FileWrite - writes a file by a
+   function on rank 0, and says so; refuses (UserError) a path that cannot be written; an empty path: none. what: is in
+   the file. Collective. */
+#define DEEDS "Instead of a run"
+typedef PetscErrorCode (*FileWriter)(Sim sim, FILE *file);
+PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWriter write);
+/* OthersVisit - visits the options that no class has read: those of PETSc's solvers. Not collective. */
+typedef void (*OtherVisitor)(void *context, const char name[], const char value[]);
+PetscErrorCode OthersVisit(OtherVisitor visit, void *context);
 /* DumpOptions - writes the options of the scene to the files that the user wants. Collective. */
 PetscErrorCode DumpOptions(Sim sim);
 /* SimEmit - adds the liquid that emitters bring up to the state's time, and its energy to the state. Collective. */

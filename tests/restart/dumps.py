@@ -2,6 +2,7 @@
 """The run of a scene and the run of what -dump_options writes of it are the same to the bit, for every file of options
 in cases/ and options/, with a coarse spacing and one step."""
 import glob
+import json
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -16,28 +17,24 @@ SHORT = ["-steps_max", "1", "-series_interval", "0", "-progress_interval", "0"]
 
 
 def scene(path):
-    """The arguments that give a file's scene: alone, or behind a case that has what it lacks."""
+    """The arguments that give a file's scene, alone or behind a case that has what it lacks, and its spacing (m)."""
     folder = os.path.dirname(path)
     cases = None, f"{folder}/case.opts", f"{folder}/axisymmetric.opts", "cases/drop_impact/case.opts"
     for case in cases:
         arguments = [word for file in (case, path) if file for word in ("-options_file", file)]
-        dump = runs.scratch(path.replace("/", "-") + ".dump")
-        if not runs.start([*arguments, "-dump_options", dump]).returncode:
-            return arguments, dump
+        known = runs.scratch(path.replace("/", "-") + ".json")
+        if not runs.start([*arguments, "-scene_json", known]).returncode:
+            with open(known, encoding="utf-8") as file:
+                return arguments, json.load(file)["domain"]["spacing"]
     return None, None
-
-
-def spacing(dump):
-    with open(dump, encoding="utf-8") as file:
-        return next(float(line.split()[1]) for line in file if line.startswith("-spacing "))
 
 
 def coarsened(path):
     """The arguments of the scene with the coarsest spacing that it bears, and the folder of its run."""
-    arguments, dump = scene(path)
+    arguments, spacing = scene(path)
     for factor in FACTORS if arguments else ():
         folder = runs.scratch(f"{path.replace('/', '-')}-{factor}")
-        more = [*SHORT, "-spacing", f"{factor * spacing(dump):.17g}"]
+        more = [*SHORT, "-spacing", f"{factor * spacing:.17g}"]
         if not runs.start([*arguments, *more, "-output_dir", folder]).returncode:
             return [*arguments, *more], folder
     return None, None
@@ -67,7 +64,20 @@ def judge(path):
     return path, ", ".join(differences(folder, again)) if not done.returncode else done.stderr.strip()
 
 
+def long_list():
+    """A list of numbers of any length is whole in the dump."""
+    points = ",".join(f"{1e-5 * k + 1.2345678e-4:.12f},1.234567e-4,-1.2345678e-3" for k in range(60))
+    dump, folder = runs.scratch("long.opts"), runs.scratch("long")
+    runs.start(["-options_file", "cases/film_at_rest/case.opts", "-spacing", "1e-3", "-gauge_points", points,
+                "-dump_options", dump])
+    done = runs.start(["-options_file", dump, "-steps_max", "1", "-output_dir", folder])
+    runs.check(not done.returncode, "long_list_runs", done.stderr)
+    names = runs.series(folder).dtype.names if not done.returncode else ()
+    runs.check("point_60_pressure_Pa" in names or "point_60_pressure" in names, "long_list_is_whole", str(names[-3:]))
+
+
 os.chdir(runs.ROOT)
+long_list()
 files = sorted(glob.glob("cases/*/*.opts") + glob.glob("options/*.opts"))
 runs.check(len(files) > 80, "files", f"only {len(files)}")
 with ThreadPoolExecutor(2) as pool:
