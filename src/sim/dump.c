@@ -86,7 +86,6 @@ PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWrit
   }
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
   PetscCheckUser(!error, sim->comm, "cannot write the %s into %s: %s", what, path, strerror(error));
-  PetscCall(PetscPrintf(sim->comm, "the %s is in %s\n", what, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,6 +93,7 @@ PetscErrorCode DumpOptions(Sim sim)
 {
   PetscFunctionBegin;
   PetscCall(FileWrite(sim, sim->dump, "options file", WriteDump));
+  if (sim->dump[0]) PetscCall(PetscPrintf(sim->comm, "all options of this scene are in %s\n", sim->dump));
   PetscCall(FileWrite(sim, sim->list, "list of options", WriteList));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -62,7 +62,7 @@ PetscErrorCode RefuseCombinations(Sim sim);
 PetscErrorCode RefusalsHelp(MPI_Comm comm);
 void           RefusalsJson(Json *json);
 /* DEEDS - the title of the options that say what to do with the scene, not what it is. FileWrite - writes a file by a
-   function on rank 0, and says so; refuses (UserError) a path that cannot be written; an empty path: none. what: is in
+   function on rank 0; refuses (UserError) a path that cannot be written; an empty path: none. what: is in
    the file. Collective. */
 #define DEEDS "Instead of a run"
 typedef PetscErrorCode (*FileWriter)(Sim sim, FILE *file);
