@@ -85,7 +85,7 @@ PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWrit
     if (!file || fclose(file)) error = errno;
   }
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
-  PetscCheckUser(!error, sim->comm, "cannot write the %s into %s: %s", what, path, strerror(error));
+  PetscCheckUser(!error, sim->comm, "cannot write the %s %s: %s", what, path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

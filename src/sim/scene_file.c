@@ -81,7 +81,7 @@ PetscErrorCode SceneFileWrite(Sim sim, const char path[])
 
   PetscFunctionBegin;
   if (path) {
-    PetscCall(FileWrite(sim, path, "scene", WriteAlone));
+    PetscCall(FileWrite(sim, path, "scene file", WriteAlone));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));

@@ -62,8 +62,8 @@ PetscErrorCode RefuseCombinations(Sim sim);
 PetscErrorCode RefusalsHelp(MPI_Comm comm);
 void           RefusalsJson(Json *json);
 /* DEEDS - the title of the options that say what to do with the scene, not what it is. FileWrite - writes a file by a
-   function on rank 0; refuses (UserError) a path that cannot be written; an empty path: none. what: is in
-   the file. Collective. */
+   function on rank 0; refuses (UserError) a path that cannot be written; an empty path: none. what: the
+   file is. Collective. */
 #define DEEDS "Instead of a run"
 typedef PetscErrorCode (*FileWriter)(Sim sim, FILE *file);
 PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWriter write);
