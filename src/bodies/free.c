@@ -177,6 +177,13 @@ static PetscReal *Numbers(Scene scene, PetscInt k, PetscInt *width)
   return NULL;
 }
 
+static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+{
+  PetscFunctionBegin;
+  SceneFreeze(StepperCloud(stepper)->scene, frozen);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Create(Stepper stepper)
 {
   PetscFunctionBegin;
@@ -201,6 +208,7 @@ const Edge FreeEdge = {.name      = FREE_EDGE,
                                          "force, excess",
                                      Numbers},
                        .report    = Report,
+                       .freeze    = Freeze,
                        .hold      = FreeViscousHold,
                        .follow    = FreeViscousFollow,
                        .drag      = FreeViscousDrag,

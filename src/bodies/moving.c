@@ -119,6 +119,26 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Save(Stepper stepper)
+{
+  PetscFunctionBegin;
+  SceneSave(StepperCloud(stepper)->scene);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Restore(Stepper stepper)
+{
+  PetscFunctionBegin;
+  SceneRestore(StepperCloud(stepper)->scene);
+  SceneMoveSolids(StepperCloud(stepper)->scene, StepperTime(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Drives(Stepper stepper)
+{
+  return SceneSolidsMove(StepperCloud(stepper)->scene);
+}
+
 static PetscBool On(Stepper stepper)
 {
   const Cloud cloud = StepperCloud(stepper);
@@ -126,4 +146,12 @@ static PetscBool On(Stepper stepper)
   return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }
 
-const Edge MovingEdge = {.name = "moving", .on = On, .check = Check, .drift = Drift, .drag = Drag, .kick = Kick};
+const Edge MovingEdge = {.name    = "moving",
+                         .on      = On,
+                         .drives  = Drives,
+                         .check   = Check,
+                         .save    = Save,
+                         .restore = Restore,
+                         .drift   = Drift,
+                         .drag    = Drag,
+                         .kick    = Kick};

@@ -26,7 +26,7 @@ PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context)
     s = SceneSolidDistance(cloud->scene, sample.x, &solid);
     if (s > 0 || s <= -depth) continue;
     sample.body = BODY_SOLID - solid;
-    BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), sample.x, sample.v);
+    SceneSolidVelocity(cloud->scene, solid, sample.x, sample.v);
     PetscCall(SampleKeep(found, &sample));
   }
   PetscCall(SamplesTake(&found, &n, &samples));

@@ -46,8 +46,8 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
 }
 
-/* Whether an emitter holds particle a, so that no pressure moves it: a correction of its density would only push the
-   liquid that has left. */
+/* Whether the velocity of particle a is given, so that no pressure moves it: a correction of its density would only
+   push the liquid beside it. */
 static PetscBool IsHeld(Cloud cloud, PetscInt a)
 {
   return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
@@ -71,7 +71,7 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     rhs[a] =
       -div[a] / dt - DensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(cloud->size[a] * T, least)));
-  for (PetscInt a = 0; a < cloud->n_fluid && SceneEmits(cloud->scene); a++)
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
     if (IsHeld(cloud, a)) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {

@@ -143,3 +143,8 @@ void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   for (PetscInt d = 0; d < DIM; d++) v[d] = body->uniform[d];
   if (body->velocity->add) body->velocity->add(body, x, v);
 }
+
+PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
+{
+  return (PetscBool)(body->kind->holds && body->kind->holds(body, x, behind));
+}

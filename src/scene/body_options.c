@@ -161,6 +161,7 @@ PetscErrorCode BodySetFromOptions(Body body)
   body->velocity = (const VelocityOps *)choice;
   PetscCall(Read(body, PetscOptionsObject, typed, body)); /* last: an emitter looks at shape and velocity */
   PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->emitter, &choice));
+  body->kind = (const BodyTypeOps *)choice;
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_solids); k++)
     PetscCall(OptionsNote(body->prefix, "a solid", of_solids[k]));

@@ -1,8 +1,8 @@
-/* Types of bodies: liquid, which exists from the start, and emitters, which add liquid at intervals. */
+/* Emitters: bodies that add liquid at intervals. */
 #include "scene_impl.h"
 
 #define FILLINGS_BEFORE    1000 /* largest number of fillings before the time 0 */
-#define FILLINGS_LOOKED_AT 2    /* in EmitterMoments */
+#define FILLINGS_LOOKED_AT 2    /* in FillingMoments */
 #define INTERVAL_ROUNDING  1e-9 /* of the interval: a filling that is due must not be missed by rounding */
 
 typedef struct {
@@ -69,14 +69,16 @@ static PetscErrorCode EmitterSetUp(void *owner)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Choice TypeLiquid      = {"liquid", 0, NULL, NULL, NULL};
-const Choice        BodyTypeEmitter = {"emitter", sizeof(Emitter), options, EmitterDefaults, EmitterSetUp};
-
-const Choice *const BodyTypes[] = {&TypeLiquid, &BodyTypeEmitter, NULL};
-
 PetscBool BodyEmits(Body body)
 {
   return (PetscBool)(body->emitter != NULL);
+}
+
+PetscBool SceneEmits(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (BodyEmits(scene->body[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /* The distance that the emitter's liquid has moved since the start, over the speed without modulation (s). */
@@ -87,7 +89,7 @@ static PetscReal TravelTime(const Emitter *e, PetscReal time)
   return e->modulation > 0 ? t + e->modulation * (1 - PetscCosReal(e->w * t)) / e->w : t;
 }
 
-void EmitterMoments(Body body, Moments *moments)
+static void FillingMoments(Body body, Moments *moments)
 {
   const Emitter *e = (const Emitter *)body->emitter;
 
@@ -123,13 +125,12 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
   for (PetscInt d = 0; d < DIM; d++) v[d] += (speed - 1) * body->uniform[d];
 }
 
-PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
+static PetscBool Holds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
   const Emitter *e = (const Emitter *)body->emitter;
   PetscReal      distance, reach, speed;
   PetscInt       steps;
 
-  if (!e) return PETSC_FALSE;
   distance = BodyDistance(body, x);
   reach    = behind + e->nozzle;
   if (distance < 0 || distance >= reach) return (PetscBool)(distance < 0);
@@ -143,3 +144,7 @@ PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
   }
   return PETSC_FALSE;
 }
+
+const BodyTypeOps BodyTypeEmitter = {{"emitter", sizeof(Emitter), options, EmitterDefaults, EmitterSetUp},
+                                     .holds   = Holds,
+                                     .moments = FillingMoments};

@@ -5,8 +5,8 @@
 static PetscBool Add(Body body, Moments *moments)
 {
   if (body->motion) MotionMoments(body, moments);
-  if (body->emitter) EmitterMoments(body, moments);
-  return (PetscBool)(body->motion || body->emitter);
+  if (body->kind && body->kind->moments) body->kind->moments(body, moments);
+  return (PetscBool)(body->motion || (body->kind && body->kind->moments));
 }
 
 PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[])

@@ -256,13 +256,6 @@ void SceneSetShaking(Scene scene, const PetscReal shake[DIM])
   for (PetscInt d = 0; d < DIM; d++) scene->shake[d] = shake[d];
 }
 
-PetscBool SceneEmits(Scene scene)
-{
-  for (PetscInt b = 0; b < scene->count; b++)
-    if (BodyEmits(scene->body[b])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 PetscInt SceneSolidCount(Scene scene)
 {
   return scene->solids;
@@ -299,6 +292,11 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
     }
   }
   return least;
+}
+
+void SceneSolidVelocity(Scene scene, PetscInt solid, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  BodyMotion(scene->solid[solid], scene->solid_time, x, v);
 }
 
 PetscReal SceneSolidSpeed(Scene scene)

@@ -117,9 +117,11 @@ PetscBool BodyMoves(Body solid);
 PetscBool BodyMovesAs(Body solid, Body other);
 void      BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM]);
 void      BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
-/* SceneSolidsMove - whether any solid can move. SceneMoveSolids - moves all solids to their positions at a time (s);
-   they start at the time 0. SceneSolidTime - that time. SceneSolidSpeed - an upper bound of the speed of all points of
-   all solids (m/s). */
+/* SceneSolidVelocity - the velocity v (m/s) of a solid, by its index, at its point nearest to x (m). SceneSolidsMove -
+   whether any solid can move. SceneMoveSolids - moves all solids to their positions at a time (s); they start at the
+   time 0. SceneSolidTime - that time. SceneSolidSpeed - an upper bound of the speed of all points of all solids (m/s).
+ */
+void      SceneSolidVelocity(Scene scene, PetscInt solid, const PetscReal x[DIM], PetscReal v[DIM]);
 PetscBool SceneSolidsMove(Scene scene);
 void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
@@ -221,15 +223,16 @@ PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, P
 void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
+/* BodyHolds - whether the velocity of the body's liquid at x (m) is given: inside the shape of an emitter, and up to
+   -<b>_nozzle plus 'behind' (m) downstream of it. */
+PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
 /* BodyEmits - whether the body is an emitter. BodyEmissions - the number of fillings up to and at a time (s).
    BodyEmissionShift - the displacement (m) of the liquid of filling k = 0, 1, ... at a time (s) if the liquid keeps the
-   emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). BodyHolds - whether an emitter prescribes
-   the velocity of its liquid at x (m): inside the shape, and up to -<b>_nozzle plus 'behind' (m) downstream of it. */
+   emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). */
 PetscBool BodyEmits(Body body);
 PetscInt  BodyEmissions(Body body, PetscReal time);
 void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
 void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
-PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
 /* SceneEmits - whether any body is an emitter. */
 PetscBool SceneEmits(Scene scene);
 /* SceneSetTime - sets the time (s) of oscillating gravity. */

@@ -29,6 +29,35 @@ typedef struct {
   PetscReal (*at)(Body body, PetscReal rate); /* mu (Pa s) at a shear rate (1/s); NULL: constant */
 } ViscosityOps;
 
+/* Moments of SceneMoments. MomentAdd - adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the
+   eighths of the first period of an oscillation with this frequency (Hz; 0: none) from a time (s): where it and its
+   rate are extreme, and between. Not collective. */
+typedef struct {
+  PetscReal  start, end; /* s, of the run */
+  PetscInt   most, n;
+  PetscReal *time; /* [n] s */
+} Moments;
+
+static inline void MomentAdd(Moments *moments, PetscReal time)
+{
+  for (PetscInt k = 0; k < moments->n; k++)
+    if (moments->time[k] == time) return;
+  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
+}
+
+static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
+{
+  for (PetscInt k = 0; k < 8 && frequency > 0; k++)
+    MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
+}
+
+/* A type of body. Liquid that is there from the start has none of these functions. */
+typedef struct {
+  Choice choice;
+  PetscBool (*holds)(Body body, const PetscReal x[DIM], PetscReal behind); /* see BodyHolds */
+  void (*moments)(Body body, Moments *moments);                            /* adds those of the body */
+} BodyTypeOps;
+
 struct _p_Body {
   Domain              domain; /* borrowed */
   char                name[SCENE_NAME_LENGTH];
@@ -47,7 +76,8 @@ struct _p_Body {
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
   char                type[SCENE_NAME_LENGTH];
-  void               *emitter;            /* the emitter's struct, as shape_data; NULL: no emitter */
+  const BodyTypeOps  *kind;               /* NULL of a solid */
+  void               *emitter;            /* data of the type, as shape_data; NULL: liquid from the start */
   PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
   PetscReal           contact_hysteresis; /* of a solid, degrees */
   struct _p_Motion   *motion;             /* of a solid that can move; else NULL */
@@ -88,33 +118,8 @@ struct _p_Scene {
    owner of a choice is the body. A type's options are read last, since a type may use shape and velocity. */
 extern const ShapeOps ShapeBox, ShapeSphere, ShapeStl, ShapeCylinder, ShapeEllipsoid, ShapeHalfSpace, ShapeThread,
   ShapeWave;
-extern const Choice        BodyTypeEmitter;
+extern const BodyTypeOps   BodyTypeEmitter;
 extern const Choice *const Shapes[], *const Velocities[], *const Viscosities[], *const BodyTypes[];
-
-/* Moments of SceneMoments. MotionMoments, EmitterMoments - add those of a solid's motion and of an emitter. MomentAdd -
-   adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the eighths of the first period of an
-   oscillation with this frequency (Hz; 0: none) from a time (s): where it and its rate are extreme, and between. Not
-   collective. */
-typedef struct {
-  PetscReal  start, end; /* s, of the run */
-  PetscInt   most, n;
-  PetscReal *time; /* [n] s */
-} Moments;
-void MotionMoments(Body body, Moments *moments);
-void EmitterMoments(Body body, Moments *moments);
-
-static inline void MomentAdd(Moments *moments, PetscReal time)
-{
-  for (PetscInt k = 0; k < moments->n; k++)
-    if (moments->time[k] == time) return;
-  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
-}
-
-static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
-{
-  for (PetscInt k = 0; k < 8 && frequency > 0; k++)
-    MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
-}
 
 /* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
    which: passed on to the distance. SceneOwnDistance is one of these functions. */
@@ -137,13 +142,15 @@ PetscErrorCode SolidSetFromOptions(Body body);
 /* MotionSetFromOptions - creates the motion of a solid from its options, which are those of two tables. MotionSetUp -
    refuses (UserError) options that contradict each other, and destroys the motion of a fixed solid. MotionView - prints
    the motion. Collective. MotionSetTime - sets the time (s). MotionBack - finds the position y (m) at the time 0 of the
-   solid's point that is at x (m) at the time of MotionSetTime. Not collective. */
+   solid's point that is at x (m) at the time of MotionSetTime. MotionMoments - adds the moments of the motion. Not
+   collective. */
 extern const OptionRow MotionOptions[], FreeOptions[];
 PetscErrorCode         MotionSetFromOptions(Body body, OptionItems PetscOptionsObject);
 PetscErrorCode         MotionSetUp(Body body);
 PetscErrorCode         MotionView(Body body, PetscViewer viewer);
 PetscErrorCode         MotionDestroy(Body body);
 void                   MotionSetTime(Body body, PetscReal time);
+void                   MotionMoments(Body body, Moments *moments);
 /* RateCheck - completes the numbers of -<prefix>rotation_rate to a vector (rad/s), zero without numbers, and refuses
    (UserError) numbers that are no angular velocity. Collective. */
 PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM]);

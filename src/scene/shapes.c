@@ -1,6 +1,10 @@
-/* The registry of the shapes. */
+/* The registries of shapes and of types of bodies. */
 #include "scene_impl.h"
 
 const Choice *const Shapes[] = {&ShapeBox.choice,       &ShapeSphere.choice,    &ShapeCylinder.choice,
                                 &ShapeEllipsoid.choice, &ShapeHalfSpace.choice, &ShapeStl.choice,
                                 &ShapeThread.choice,    &ShapeWave.choice,      NULL};
+
+static const BodyTypeOps TypeLiquid = {{"liquid", 0, NULL, NULL, NULL}, NULL, NULL}; /* it is there from the start */
+
+const Choice *const BodyTypes[] = {&TypeLiquid.choice, &BodyTypeEmitter.choice, NULL};

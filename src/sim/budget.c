@@ -65,18 +65,18 @@ static PetscErrorCode BalanceTake(Sim sim, Balance *b)
 
   PetscFunctionBegin;
   PetscCall(GaugesTotals(sim->gauges, &b->totals));
-  much        = b->totals.multiplicity;
-  b->friction = much * state->friction_work;
-  b->viscous  = much * state->viscous_work - b->friction;
-  b->tension  = much * state->tension_work;
-  outside     = much * StepperOutsideWork(state);
-  b->gain     = Energy(&b->totals) - state->start_energy;
-  b->residual = b->gain - b->viscous - b->friction - b->tension - outside + much * StepperEnergy(state, ENERGY_LOST);
-  b->stored   = b->residual + b->tension + much * (state->surface_energy - state->start_surface);
-  b->exchanged =
-    much * PetscMax(state->given + state->inflow_energy, state->taken + PetscAbsReal(state->outflow_energy));
-  b->scale = PetscMax(b->exchanged, much * state->kinetic_most);
-  b->doubt = ENERGY_SHARE * b->exchanged + TENSION_SHARE * much * state->tension_swing +
+  much         = b->totals.multiplicity;
+  b->friction  = much * state->friction_work;
+  b->viscous   = much * state->viscous_work - b->friction;
+  b->tension   = much * state->tension_work;
+  outside      = much * StepperOutsideWork(state);
+  b->gain      = Energy(&b->totals) - state->start_energy;
+  b->residual  = b->gain - b->viscous - b->friction - b->tension - outside + much * StepperEnergy(state, ENERGY_LOST);
+  b->stored    = b->residual + b->tension + much * (state->surface_energy - state->start_surface);
+  b->exchanged = much * PetscMax(state->given + StepperEnergy(state, ENERGY_BROUGHT),
+                                 state->taken + PetscAbsReal(StepperEnergy(state, ENERGY_TAKEN)));
+  b->scale     = PetscMax(b->exchanged, much * state->kinetic_most);
+  b->doubt     = ENERGY_SHARE * b->exchanged + TENSION_SHARE * much * state->tension_swing +
              PetscAbsReal(state->start_density / state->density_mean - 1) * Lift(sim, &b->totals);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

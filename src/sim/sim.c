@@ -1,3 +1,4 @@
+#include "../emitters/emitters.h"
 #include "sim_impl.h"
 #include <stdlib.h>
 
@@ -281,7 +282,7 @@ PetscErrorCode SimEmit(Sim sim)
   PetscCall(GaugesTotals(sim->gauges, &before));
   PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
   PetscCall(GaugesTotals(sim->gauges, &after));
-  sim->state.inflow_energy +=
+  *EmittersEnergy(sim->stepper, &sim->state) +=
     after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -64,10 +64,17 @@ typedef struct {
                            size_t length);
   /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
   PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
+  /* whether it can bring liquid any energy, so that the scene bounds none */
+  PetscBool (*drives)(Stepper stepper);
+  /* fixes its boundaries while the packing relaxes (true), or releases them */
+  PetscErrorCode (*freeze)(Stepper stepper, PetscBool frozen);
   /* opens its options blocks; called whether the edge is on or not */
   PetscErrorCode (*options)(Stepper stepper);
   /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
   PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
+  /* keeps its state at the start of a step, for 'restore', which goes back to it before each trial */
+  PetscErrorCode (*save)(Stepper stepper);
+  PetscErrorCode (*restore)(Stepper stepper);
   /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
      (s); *moved: a position or velocity changed */
   PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
@@ -92,14 +99,18 @@ typedef struct {
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
 } Edge;
 
-/* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperPressure - those of
-   StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step of a
-   relaxation; 1 in a run. StepperNumbers - the numbers of an edge in a state. Not collective. */
+/* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperTension, StepperPressure - those
+   of StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step
+   of a relaxation; 1 in a run. StepperNumbers - the numbers of an edge in a state. Not collective. */
 void     *StepEdgeData(Stepper stepper, const char name[]);
 void     *StepperNumbers(Stepper stepper, const StepState *state, const char name[]);
 Cloud     StepperCloud(Stepper stepper);
 Pressure  StepperPressure(Stepper stepper);
 PetscReal StepperTime(Stepper stepper);
 PetscReal StepperDamping(Stepper stepper);
+Tension   StepperTension(Stepper stepper);
+
+/* ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), like a wall. Not collective. */
+PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
 
 #endif

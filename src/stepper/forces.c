@@ -143,7 +143,7 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
     for (PetscInt k = 0; k < n; k++) v_star[k] += dt * kick[k];
   }
   PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
-  StepHook(stepper, drag, dt, v_star, trial);
+  StepHook(stepper, drag, stepper, dt, v_star, trial);
   if (split)
     for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * kick[k];
   trial->sum[SUM_VISCOUS_WORK] = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
@@ -197,7 +197,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = dt * MassWeightedDot(cloud, FIELD_ACCELERATION);
-    StepHook(stepper, drag, dt, v, trial);
+    StepHook(stepper, drag, stepper, dt, v, trial);
   }
   ShakingWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
@@ -210,7 +210,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     PetscCall(SolveViscosity(stepper, dt, density, trial));
   else
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
-  StepHook(stepper, predict, dt);
+  StepHook(stepper, predict, stepper, dt);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -34,7 +34,7 @@ static PetscErrorCode GuardSolids(Stepper stepper, PetscReal distance, PetscReal
 
     if (deep <= 0) continue;
     (void)BodyNearest(SceneSolid(cloud->scene, solid), x + DIM * a, image);
-    BodyMotion(SceneSolid(cloud->scene, solid), SceneSolidTime(cloud->scene), image, u);
+    SceneSolidVelocity(cloud->scene, solid, image, u);
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
     inwards = PetscMin(0, Dot(v + DIM * a, n) - Dot(u, n));
     for (PetscInt d = 0; d < DIM; d++) {
@@ -42,7 +42,7 @@ static PetscErrorCode GuardSolids(Stepper stepper, PetscReal distance, PetscReal
       v[DIM * a + d] -= inwards * n[d];
       taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
-    StepHook(stepper, push, solid, x + DIM * a, taken);
+    StepHook(stepper, push, stepper, solid, x + DIM * a, taken);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

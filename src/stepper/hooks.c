@@ -34,7 +34,7 @@ PetscReal StepperEnergy(const StepState *state, EnergyPart part)
 
 PetscReal StepperOutsideWork(const StepState *state)
 {
-  return StepperEnergy(state, ENERGY_GIVEN) - StepperEnergy(state, ENERGY_TAKEN);
+  return StepperEnergy(state, ENERGY_GIVEN) + StepperEnergy(state, ENERGY_BROUGHT) - StepperEnergy(state, ENERGY_TAKEN);
 }
 
 PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],

@@ -37,7 +37,6 @@ const NumberRow StateRows[] = {
   ENERGY(friction_work, ENERGY_FRICTION, "the friction of walls that move"),
   ENERGY(solid_work, ENERGY_GIVEN, "the pressure of solids that move"),
   ENERGY(shaking_work, ENERGY_GIVEN, "shaking"),
-  ENERGY(inflow_energy, ENERGY_GIVEN, "emitters"),
   ENERGY(outflow_energy, ENERGY_TAKEN, "what left through open faces"),
   {.name = NULL},
 };
@@ -84,6 +83,11 @@ PetscErrorCode StepEdgesDestroy(Stepper stepper)
 Cloud StepperCloud(Stepper stepper)
 {
   return stepper->cloud;
+}
+
+Tension StepperTension(Stepper stepper)
+{
+  return stepper->tension;
 }
 
 Pressure StepperPressure(Stepper stepper)

@@ -200,7 +200,7 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
   stepper->relaxing        = relaxing;
   stepper->damping         = relaxing ? damping : 1;
   stepper->relaxation_step = relaxing ? step : 0;
-  SceneFreeze(stepper->cloud->scene, relaxing);
+  StepHook(stepper, freeze, stepper, relaxing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -340,14 +340,13 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   why[0] = 0;
-  StepHook(stepper, check, dt, why, length);
+  StepHook(stepper, check, stepper, dt, why, length);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  SceneSave(cloud->scene);
+  StepHook(stepper, save, stepper);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
     trial = (StepTrial){.diagnose = diagnose};
-    SceneRestore(cloud->scene);
+    StepHook(stepper, restore, stepper);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
-    SceneMoveSolids(cloud->scene, state->time);
     PressureSetRepair(stepper->pressure,
                       PetscMin(1, (state->step + 1) * dt / PressureRelaxationTime(stepper->pressure)));
     PetscCall(stepper->ops->step(stepper, dt, &trial));
@@ -371,7 +370,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   state->iterations = iterations;
   RecordStep(&trial, dt, end, state);
   stepper->underresolved = (PetscInt)trial.sum[SUM_UNDERRESOLVED];
-  StepHook(stepper, commit, &trial, state);
+  StepHook(stepper, commit, stepper, &trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

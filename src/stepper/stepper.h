@@ -22,7 +22,6 @@ typedef struct {
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
   PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
   PetscReal shaking_work;       /* done by the oscillating part of gravity so far, J */
-  PetscReal inflow_energy;      /* kinetic + potential of what emitters brought so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
   PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */
   PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
@@ -47,9 +46,9 @@ typedef enum {
   NUMBER_COUNT  /* PetscInt, not negative */
 } NumberKind;
 
-/* What an energy (J) is to the liquid: what it got from outside, what left with it, what the numerical method took; the
-   work of a boundary that is a part of viscous_work. */
-typedef enum { ENERGY_NONE, ENERGY_GIVEN, ENERGY_TAKEN, ENERGY_LOST, ENERGY_FRICTION } EnergyPart;
+/* What an energy (J) is to the liquid: what boundaries and forces gave it, what came and left with liquid, what the
+   numerical method took; the work of a boundary that is a part of viscous_work. */
+typedef enum { ENERGY_NONE, ENERGY_GIVEN, ENERGY_BROUGHT, ENERGY_TAKEN, ENERGY_LOST, ENERGY_FRICTION } EnergyPart;
 
 /* A row: the number's name in a checkpoint, its kind, its place in the struct (bytes); of an energy: its part, and what
    gave or took it, for the error budget. The last row of a table has no name. */
@@ -77,7 +76,7 @@ typedef struct {
 /* NumbersList - appends the numbers of a struct, by the rows of its table (NULL: none), to a list of n; returns how
    many the list has. StateNumbers - lists the numbers of a state, those of the edges last; returns how many.
    StepperEnergy - the sum of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so
-   far, J: from solids that move, shaking and emitters, less the energy that left through open faces. StepperTable -
+   far, J, less the energy that left with liquid. StepperTable -
    table k of the edges; NULL: there are only k. StepperReport - lines (LF at the end of each) about what the edges of a
    step have done so far; text: at most 'length' bytes; copies: of the liquid in the whole scene (GaugeTotals); joule:
    the unit of energies. Not collective. */

@@ -156,12 +156,11 @@ PetscErrorCode StepEdgesCreate(Stepper stepper);
 PetscErrorCode StepEdgesDestroy(Stepper stepper);
 void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const char name[]);
 
-/* StepHook - calls a hook of all edges; further arguments are those of the hook after the stepper. */
+/* StepHook - calls a hook of all edges; further arguments are the hook's: the stepper and what follows it. */
 #define StepHook(stepper, hook, ...)                                                                                   \
   do {                                                                                                                 \
     for (const Edge *const *edge_ = (stepper)->edges; *edge_; edge_++)                                                 \
-      if ((*edge_)->hook && (!(*edge_)->on || (*edge_)->on(stepper)))                                                  \
-        PetscCall((*edge_)->hook((stepper), __VA_ARGS__));                                                             \
+      if ((*edge_)->hook && (!(*edge_)->on || (*edge_)->on(stepper))) PetscCall((*edge_)->hook(__VA_ARGS__));          \
   } while (0)
 
 /* --- forces.c --- */
@@ -192,13 +191,11 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
 /* ViscosityIsExplicit - whether viscosity is explicit in this step; false without viscosity. Not collective. */
 PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - reads -viscosity_..., inside an options block. ViscousPrepare - reads the options of the
-   solver, if the run may need it. ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), like a
-   wall. Not collective. ViscousGetKeptKick - an array [n_fluid][3] (borrowed) that lasts until the end of the step.
-   ViscousSolve - FIELD_VELOCITY_STAR, v* without viscosity, becomes u with u = v* + dt V u, ghosts included; walls keep
-   their own velocity. Collective. */
+   solver, if the run may need it. ViscousGetKeptKick - an array [n_fluid][3] (borrowed) that lasts until the end of the
+   step. ViscousSolve - FIELD_VELOCITY_STAR, v* without viscosity, becomes u with u = v* + dt V u, ghosts included;
+   walls keep their own velocity. Collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
-PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
 PetscErrorCode ViscousGetKeptKick(Stepper stepper, PetscReal **kick);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
 PetscErrorCode ViscousDestroy(Stepper stepper);
@@ -212,7 +209,7 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 /* StepperEnergyAtHand - bound of the kinetic energy that a scene's liquid can have, J/kg: from speeds of bodies and
    walls, a fall through the box, and the surface of every particle. 0: no bound, since gravity acts along a periodic
-   direction, emitters bring liquid or solids move. Not collective. */
+   direction or an edge brings energy. Not collective. */
 PetscReal StepperEnergyAtHand(Stepper stepper);
 
 #endif

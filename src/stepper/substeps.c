@@ -13,7 +13,7 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
   if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
-  StepHook(stepper, drift, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt, &moved);
+  StepHook(stepper, drift, stepper, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt, &moved);
   PetscCall(CloudMoved(cloud));
   if (moved) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   if (moved) PetscCall(CloudFindSolidNormals(cloud));
@@ -73,7 +73,7 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
   PetscCall(CloudRestoreWork(cloud, &a));
   PetscCall(StepTensionWork(stepper, dt, trial));
-  StepHook(stepper, kick, dt, trial);
+  StepHook(stepper, kick, stepper, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,7 +101,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
-  StepHook(stepper, drift, stepper->time + 0.5 * dt, end, end, &moved);
+  StepHook(stepper, drift, stepper, stepper->time + 0.5 * dt, end, end, &moved);
   PetscCall(WallGuard(stepper, stepper->guard * cloud->domain->spacing, r_new, v_new));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal step[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
@@ -114,7 +114,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
   ShakingWork(cloud, 0.5 * dt, trial);
-  StepHook(stepper, guard, dt, trial);
+  StepHook(stepper, guard, stepper, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -311,7 +311,8 @@ PetscReal StepperEnergyAtHand(Stepper stepper)
   PetscReal    energy;
 
   FindScales(stepper, &scales);
-  if (SceneEmits(stepper->cloud->scene) || SceneSolidsMove(stepper->cloud->scene)) return 0;
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->drives && (*edge)->drives(stepper)) return 0;
   energy = 0.5 * scales.speed * scales.speed + scales.capillary;
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;

@@ -47,7 +47,7 @@ static PetscReal InterfaceEnergy(Cloud cloud)
 
 /* Whether particle a has neighbours along a line at most, in liquid so viscous that no capillary wave of a spacing's
    length breaks it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears.
-   Liquid that emitters hold, or that is about to leave through an open face, does not count: its end is a cut. */
+   Liquid whose velocity is given, or that is about to leave through an open face, does not count: its end is a cut. */
 static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
 {
   Cloud            cloud  = stepper->cloud;

@@ -50,7 +50,7 @@ static PetscReal ResistAtSolid(Tension tension, Cloud cloud, PetscReal dt, Petsc
   if (s > REACH * KernelSupport(tension->kernel) * cloud->size[a] || tension->solid.angle[near].hysteresis_force == 0)
     return 0;
   SceneSolidNormal(cloud->scene, x, inward);
-  BodyMotion(SceneSolid(cloud->scene, near), SceneSolidTime(cloud->scene), x, wall_v);
+  SceneSolidVelocity(cloud->scene, near, x, wall_v);
   return Resist(tension, cloud, dt, a, &tension->solid.angle[near], s, inward, wall_v, v);
 }
 

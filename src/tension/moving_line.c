@@ -158,7 +158,7 @@ static PetscBool FindWall(Tension tension, Cloud cloud, PetscInt a, PetscReal re
       found          = PETSC_TRUE;
       wall->distance = PetscMax(0, y);
       SceneSolidNormal(cloud->scene, x, wall->inward);
-      BodyMotion(SceneSolid(cloud->scene, near), SceneSolidTime(cloud->scene), x, wall->velocity);
+      SceneSolidVelocity(cloud->scene, near, x, wall->velocity);
     }
   }
   return found;

@@ -2,9 +2,9 @@
 """Where the features of the program are named: lines, files and folders of src/ (.c and .h, without comments and texts)
 with a name of the feature, inside and outside of its home. A feature that is one folder and one record is named outside
 in the list of edges and at most one header; how far the others are from that is the table that --print shows (make
-lint). The number of folders outside may not become larger. The core names no edge at all: an edge of a step is a record
-that src/stepper/hooks.c lists; others look at the core from above. LINT_ROOT: another tree, for figures before a
-change."""
+lint). The number of folders outside may not become larger. The core, headers too, names no edge at all, but in the list
+of edges, src/stepper/hooks.c: an edge of a step is a record. The words are what the homes of the edges define: their
+public functions, types, constants and records. LINT_ROOT: another tree, for figures before a change."""
 import glob
 import os
 import re
@@ -19,8 +19,8 @@ FEATURES = {
                     r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 4),
     "solids that move": (("bodies/", "scene/motion.c", "scene/rotation.c"),
                          r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 7),
-    "emitters": (("stepper/emitters.c", "packing/emit.c", "scene/emitter.c"),
-                 r"SceneEmits|BodyEmi\w+|BodyHolds|PackingEmit\w*|SimEmit|Emitter\w*|emitter|inflow_energy", 7),
+    "emitters": (("emitters/", "packing/emit.c", "scene/emitter.c"),
+                 r"SceneEmits|BodyEmi\w+|PackingEmit\w*|SimEmit|Emitter\w*|emitter|inflow_energy", 7),
     "resampling": (("resampling/",), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
     "following": (("resampling/target.c", "resampling/walls.c", "resampling/smooth.c", "scene/spacing.c"),
                   r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 8),
@@ -28,19 +28,21 @@ FEATURES = {
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
     "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 14),
     "contact lines": (("tension/contact.c", "tension/contact_solid.c", "tension/hysteresis.c", "tension/moving_line.c",
-                       "stepper/contact_line.c", "gauges/spread.c"),
+                       "lines/", "gauges/spread.c"),
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
                       r"|TensionMoveLines|TensionHasLaw|\w*MovingLine\w*", 5),
     "interface": (("tension/interface.c", "pressure/interface.c", "scene/liquids.c"),
                   r"Interface[A-Z]\w*|\w+Interface|interface_\w+|SUM_LIQUIDS\w*|LIQUID_SUMS", 5),
 }
+# The folders that every run is made of.
 CORE = ("base", "domain", "kernel", "particles", "neighbors", "operators", "pressure", "twolevel", "solver", "storage",
         "stepper")
-EDGES = (r"SceneHasFree|Free[A-Z]\w*|Coupling[A-Z]\w*|SceneEmits|BodyEmi\w+|BodyHolds|Resampl\w+|Gauges?[A-Z]\w*"
-         r"|Spectrum\w*|TensionApplyHysteresis|TensionMoveLines|TensionHasLaw|[A-Z]\w+Edge")
 LIST = "stepper/hooks.c"
-KNOWN = ("pressure/source.c", "stepper/trial.c", "stepper/time_step.c")  # that do: of liquid that emitters hold
 RECORD = re.compile(r"^const Edge \w+ = ", re.M)  # the file of an edge has it
+# What a file defines for others: functions and records of a .c file; types, constants and macros of a header.
+DEFINES = {".c": re.compile(r"^(?!static\b|typedef\b|extern\b|#)[A-Za-z][\w *]*?\b(\w+)(?:\(|(?:\[\w*\])? = )", re.M),
+           ".h": re.compile(r"^#define (\w+)|^\} (\w+);|^  ([A-Z][A-Z_0-9]+),?$|^typedef .*\(\*(\w+)\)\(", re.M)}
+OWN = re.compile(r"^#define (\w+)", re.M)
 SKIP = re.compile(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
 
 
@@ -73,11 +75,19 @@ for feature, (home, names, most) in FEATURES.items():
     if size(outside)[2] > most:
         bad.append(f"{feature} is named in {size(outside)[2]} folders outside its home, at most {most}: "
                    + ", ".join(path for path, _ in outside))
-records = [path for path, lines in sources if RECORD.search("\n".join(lines))]
-named = {path for path, _ in count(EDGES, sources) if path.split("/")[0] in CORE}
-bad += [f"src/{path} names an edge, which the core must not" for path in sorted(named - {LIST, *KNOWN, *records})]
-bad += [f"src/{path} names no edge any more: take it from KNOWN in tests/lint/features.py" for path in KNOWN
-        if path not in named]
+text = {path: "\n".join(lines) for path, lines in sources}
+records = [path for path in text if RECORD.search(text[path])]
+homes = [home for home, _, _ in FEATURES.values() if any(path.startswith(home) for path in records)]
+bad += [f"src/{path} is the record of an edge, which is at home in no row of FEATURES (tests/lint/features.py)"
+        for path in records if not any(path.startswith(home) for home in homes)]
+edges = {path for path in text for home in homes if path.startswith(home)}
+words = {word for path in edges for found in DEFINES[path[-2:]].findall(text[path])
+         for word in ([found] if isinstance(found, str) else found) if word}
+for path, lines in sources:
+    if path.split("/")[0] in CORE and path not in edges | {LIST}:
+        named = sorted(words & set(re.findall(r"\w+", text[path])) - set(OWN.findall(text[path])))
+        if named:
+            bad.append(f"src/{path} names an edge, which the core must not: {', '.join(named)}")
 if "--print" in sys.argv:
     print("\n".join(table))
-verdict.end("features", bad, f"{len(FEATURES)} features, {len(records)} edges")
+verdict.end("features", bad, f"{len(FEATURES)} features, {len(records)} edges with {len(words)} names")

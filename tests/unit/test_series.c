@@ -35,7 +35,7 @@ static const StepState state = {.time           = 0.125,
                                 .given          = 0.3,
                                 .taken          = 0.2,
                                 .shaking_work   = 0.02,
-                                .inflow_energy  = 0.003,
+                                .edge           = {0.003}, /* of emitters, the first edge that has a number */
                                 .outflow_energy = 0.0004,
                                 .start_energy   = 0.5,
                                 .start_density  = 0.98,

@@ -3,16 +3,28 @@
    emitter along, and tear. A row is held until its particles have left as a whole, when the next emission comes. If it
    were free as soon as their centres have left, a sheet of honey would fall freely in between: 6 % of the time with
    emissions of 8 rows. */
-#include "stepper_impl.h"
+#include "emitters.h"
+
+#define NAME "emitters"
+
+static const NumberRow rows[] = {
+  {"inflow_energy", NUMBER_REAL, 0, ENERGY_BROUGHT, "emitters"},
+  {.name = NULL},
+};
+
+PetscReal *EmittersEnergy(Stepper stepper, const StepState *state)
+{
+  return (PetscReal *)StepperNumbers(stepper, state, NAME);
+}
 
 static PetscBool On(Stepper stepper)
 {
-  return SceneEmits(stepper->cloud->scene);
+  return SceneEmits(StepperCloud(stepper)->scene);
 }
 
 static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
 {
-  Cloud cloud = stepper->cloud;
+  Cloud cloud = StepperCloud(stepper);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -21,10 +33,11 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
     PetscReal        v[DIM], radius = 0.5 * cloud->size[a] * cloud->domain->spacing;
 
     if (!BodyEmits(body)) continue;
-    BodyEmissionVelocity(body, stepper->time, x, v);
+    BodyEmissionVelocity(body, StepperTime(stepper), x, v);
     if (BodyHolds(body, x, radius + dt * Norm(v))) PetscCall(ViscousHold(stepper, a, v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge EmitterEdge = {.name = "emitters", .on = On, .hold = Hold};
+const Edge EmitterEdge = {
+  .name = NAME, .number_size = sizeof(PetscReal), .numbers = rows, .on = On, .drives = On, .hold = Hold};

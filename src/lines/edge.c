@@ -1,6 +1,6 @@
 /* Contact lines in a step. Hysteresis: the resistance of a line slows or stops the velocity after the pressure. A line
    whose angle depends on its speed: its capillary number follows the velocity. */
-#include "stepper_impl.h"
+#include "../stepper/edge.h"
 
 #define NAME "contact_line"
 
@@ -11,17 +11,17 @@ typedef struct {
 
 static PetscBool On(Stepper stepper)
 {
-  return (PetscBool)(TensionReach(stepper->tension) > 0);
+  return (PetscBool)(TensionReach(StepperTension(stepper)) > 0);
 }
 
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
-  Cloud cloud = stepper->cloud;
+  Cloud cloud = StepperCloud(stepper);
 
   PetscFunctionBegin;
-  ((Line *)StepEdgeData(stepper, NAME))->fastest = TensionFastestLine(stepper->tension);
-  if (TensionHasLaw(stepper->tension)) TensionMoveLines(stepper->tension, cloud, dt);
-  PetscCall(TensionApplyHysteresis(stepper->tension, cloud, dt, cloud->field[FIELD_VELOCITY_NEW],
+  ((Line *)StepEdgeData(stepper, NAME))->fastest = TensionFastestLine(StepperTension(stepper));
+  if (TensionHasLaw(StepperTension(stepper))) TensionMoveLines(StepperTension(stepper), cloud, dt);
+  PetscCall(TensionApplyHysteresis(StepperTension(stepper), cloud, dt, cloud->field[FIELD_VELOCITY_NEW],
                                    &trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -33,8 +33,8 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscReal Ca;
 
   PetscFunctionBegin;
-  if (line->said || TensionHasLaw(stepper->tension)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, stepper->cloud->comm));
+  if (line->said || TensionHasLaw(StepperTension(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, StepperCloud(stepper)->comm));
   if (Ca < TENSION_FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
   line->said = PETSC_TRUE;
   PetscCall(PetscSNPrintf(text, length,
