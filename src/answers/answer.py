@@ -6,11 +6,12 @@
 
 A scene that is a body of revolution is computed as rings, one with mirrors as a half or a quarter, if its columns can
 be carried back (reduce.py) and if the whole scene at a coarse spacing gives the same (prove). COLUMN is one of
-series.csv, TAKE one of max, min, end, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). It begins at
-coarse spacings, goes finer, and stops when the error of every quantity is at most ACCURACY per cent of it, or when the
-next spacing would cost more than what is left of BUDGET (seconds of one core, all runs together). Prints value, error
-by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with pictures. A
-run that is there already, by the same command, is not run again.
+series.csv, TAKE one of max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). Where
+only ends are asked, runs end at rest (-stop_at_rest). It begins at coarse spacings, goes finer, and stops when the
+error of every quantity is at most ACCURACY per cent of it, or when the next spacing would cost more than what is left
+of BUDGET (seconds of one core, all runs together). Prints value, error by spacing, error by packing, and the command
+that reproduces the last run; FOLDER/answer.html has it with pictures. A run that is there already, by the same command,
+is not run again.
 """
 import argparse
 import html
@@ -54,6 +55,7 @@ class Answer:
         if not all(q.row for q in quantities):
             for q in quantities:
                 q.find(known["columns"])
+        self.more, self.end = self.more + quantity.ends(quantities, known), known["time_end"]
         self.rungs, self.notes, self.spent, self.model, self.doubt = [], [], 0.0, "", ""
 
     def run(self, spacing, seeds):
@@ -270,6 +272,8 @@ def report(answer, verdicts, why):
                      f"{confidence(v, answer.arguments.accuracy, answer.doubt)}.")
     spacing, runs = answer.rungs[-1]
     lines += [f"Note: {said}." for q in answer.quantities for said in q.remarks(runs[0].series)]
+    if answer.end and runs[0].series["time"][-1] < answer.end * (1 - 1e-9):
+        lines.append(f"Note: the runs ended at rest, the last at {runs[0].series['time'][-1]:.3g} s.")
     lines.append(f"Price: {answer.spent:.0f} s for {sum(len(r) for _, r in answer.rungs)} runs; the last took "
                  f"{runs[-1].cpu:.3g} s. {('It ended because ' + why + '.') if why else ''}".rstrip())
     lines.append(f"Model: {answer.model}")

@@ -7,16 +7,20 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import tables  # noqa: E402
 
-TIMES = {"max": 0, "min": 0, "end": 0, "time_of_max": 0, "at": 1, "mean": 2, "settles": 1}  # that a take needs
-TAKES = "max, min, end, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT"
-LAST, MOVED = 0.1, 0.01  # of the run, of the curve's range: an end that changes by more in it is not at rest
+TIMES = {"max": 0, "min": 0, "end": 0, "rest": 0, "time_of_max": 0, "at": 1, "mean": 2, "settles": 1}  # of a take
+TAKES = "max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT"
+LAST = 0.1  # of a run: its end, which is not at rest if the curve changes in it by more than this share:
+MOVED, RESTS = 0.01, 0.02  # the second is that of -stop_at_rest
+ENERGIES = ["kinetic_energy", "potential_energy", "surface_energy"]  # which rest where all does
+LONGEST = 20  # times the scene's time, in which a run must come to rest
 START = 0.05  # of the run: an extreme pressure or force in it may be the packing's
 
 
 class Quantity:
     """COLUMN:TAKE, for instance crater_depth:max, highest:at=10e-3 or force_zmin_z:mean=5e-3,10e-3. settles=5 is the
-    time after which the curve stays within 5 % of its end. row: the column's of scene.json; back: the name of the
-    column of the runs and the factor that make it that of the scene."""
+    time after which the curve stays within 5 % of its end; rest is the end of a run that goes on until it rests. row:
+    the column's of scene.json; back: the name of the column of the runs and the factor that make it that of the
+    scene."""
 
     def __init__(self, text):
         self.text = text
@@ -69,7 +73,7 @@ class Quantity:
         if self.take == "settles":
             away = np.abs(y - y[-1]) > 0.01 * self.times[0] * abs(y[-1])
             return float(t[np.flatnonzero(away)[-1] + 1]) if away.any() and known[-1] else float(t[0])
-        return float({"max": np.nanmax(y), "min": np.nanmin(y), "end": y[-1],
+        return float({"max": np.nanmax(y), "min": np.nanmin(y), "end": y[-1], "rest": y[-1],
                       "time_of_max": t[np.nanargmax(y)]}[self.take])
 
     def remarks(self, series):
@@ -86,17 +90,30 @@ class Quantity:
                         + (f", with gaps between: {', '.join(f'{t[k]:.4g}' for k in gaps[:8])} s"
                            if not known[first:last].all() else ""))
         late = known & (t >= t[-1] - LAST * (t[-1] - t[0]))
-        if self.take == "end" and late.sum() > 1 and np.ptp(y[known]) > 0:
+        if self.take in ("end", "rest") and late.sum() > 1 and np.ptp(y[known]) > 0:
             change = y[last] - y[np.flatnonzero(late)[0]]
-            if abs(change) > MOVED * max(abs(y[last]), np.ptp(y[known])):
+            if abs(change) > (MOVED if self.take == "end" else RESTS) * max(abs(y[last]), np.ptp(y[known])):
                 said.append(f"{self.text} still changes when a run ends, by {abs(change / y[last]):.1%} in its last "
-                            "tenth: a later -time_end, or settles, says when it rests")
+                            "tenth" + (f": {self.column}:rest is its value at rest" if self.take == "end" else ""))
         if self.take in ("max", "min") and self.row and "pressure" in self.row["needs"]:
             when = t[np.nanargmax(y) if self.take == "max" else np.nanargmin(y)]
             said.append(f"{self.text} came at {when:.4g} s" + (
                 ", in the first twentieth of the run: the start may have made it (-packing_relaxation_time)"
                 if when - t[0] < START * (t[-1] - t[0]) else ""))
         return said
+
+
+def ends(quantities, known):
+    """The options that end a run of a known scene at rest, if only ends are asked; for a value at rest the run may be
+    LONGEST times as long."""
+    words, takes = [], {q.take for q in quantities}
+    if takes - {"end", "rest", "settles"} or known["time_end"] is None:
+        if "rest" in takes:
+            raise tables.RunError("QUANTITY: rest needs a -time_end, and end or settles are all that stands beside it.")
+        return words
+    if "rest" in takes:
+        words += ["-time_end", f"{known['time_start'] + LONGEST * (known['time_end'] - known['time_start']):.9g}"]
+    return words + ["-stop_at_rest", ",".join(dict.fromkeys([q.back[0] for q in quantities] + ENERGIES))]
 
 
 def read(text):

@@ -69,7 +69,8 @@ def study(arguments, quantities, varied):
         q.find(known["columns"])
     if arguments.accuracy:
         return [(values, *answered(arguments, quantities, o, f)) for values, o, f in zip(every, options, folders)]
-    done = launch.together([launch.Run(arguments.scene, o, f) for o, f in zip(options, folders)], arguments.jobs)
+    ends = quantity.ends(quantities, known)
+    done = launch.together([launch.Run(arguments.scene, o + ends, f) for o, f in zip(options, folders)], arguments.jobs)
     return [(values, [(q.of(run.series) if run.series else math.nan, math.nan) for q in quantities],
              run.cpu if run.series else run.reason) for values, run in zip(every, done)]
 

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 /* Files of a run besides the numbered ones. */
-static const char *const files[]    = {"series.csv", "snapshots.xdmf", "options.opts",      "version.txt", "solids.h5",
-                                       "log.txt",    OUTPUT_SCENE,     CHECKPOINT_BY_CLOCK, NULL};
+static const char *const files[]    = {OUTPUT_SERIES, "snapshots.xdmf", "options.opts",      "version.txt", "solids.h5",
+                                       "log.txt",     OUTPUT_SCENE,     CHECKPOINT_BY_CLOCK, NULL};
 static const char *const numbered[] = {"snapshot_", "checkpoint_", NULL};
 
 PetscErrorCode OutputPath(Output output, const char name[], char path[PETSC_MAX_PATH_LEN])

@@ -60,7 +60,11 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
 typedef PetscErrorCode (*ColumnVisitor)(void *context, const char file[], const Column *column,
                                         const ColumnWords *words);
 PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *context);
-#define OUTPUT_SCENE "scene.json"
+/* OutputLine - the line of the series that was written at this step, on rank 0 in the order of OutputEachColumn; NULL:
+   there was none. Not collective. */
+const PetscReal *OutputLine(Output output, PetscInt step);
+#define OUTPUT_SCENE  "scene.json"
+#define OUTPUT_SERIES "series.csv"
 /* OutputText - writes a text (of rank 0) as a file of the run folder, whole or not at all. Collective. */
 PetscErrorCode OutputText(Output output, const char name[], const char text[]);
 /* OutputFolder - the run folder. Not collective. */

@@ -54,6 +54,7 @@ struct _p_Output {
   Schedule       series, snapshot, checkpoint;
   SnapshotSetup  content;
   PetscInt       series_step, snapshot_step;                  /* of the last line and the last snapshot; -1: none */
+  PetscReal     *line;                                        /* the last line of the series, time and step first */
   FILE          *series_file, *table_file[GAUGE_TABLES_MOST]; /* rank 0 */
   SnapshotEntry *entry;                                       /* [entries], the same on every rank */
   PetscInt       entries, entry_capacity;

@@ -1,7 +1,6 @@
 /* The time series: CSV with a head line, one line for each due step, SI units; and the tables that gauges fill. */
 #include "output_impl.h"
 
-#define SERIES_FILE   "series.csv"
 #define SERIES_DIGITS 12
 #define TABLE_DIGITS  9
 
@@ -67,7 +66,7 @@ PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *contex
 
   PetscFunctionBegin;
   PetscCall(GaugesColumns(output->gauges, &gauges, &columns));
-  PetscCall(EachColumn(output, SERIES_FILE, OWN, gauges, columns, visit, context));
+  PetscCall(EachColumn(output, OUTPUT_SERIES, OWN, gauges, columns, visit, context));
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
     PetscCall(GaugesTableColumns(output->gauges, t, &file, &gauges, &columns));
     PetscCall(EachColumn(output, file, KEYS, gauges, columns, visit, context));
@@ -116,7 +115,7 @@ static PetscErrorCode Start(Output output, const char file[], PetscBool same, Pe
 PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state)
 {
   PetscFunctionBegin;
-  PetscCall(Start(output, SERIES_FILE, same, state->step, &output->series_file, &output->series_step));
+  PetscCall(Start(output, OUTPUT_SERIES, same, state->step, &output->series_file, &output->series_step));
   for (PetscInt t = 0; t < GaugesTables(output->gauges); t++) {
     const char   *file;
     const Column *columns;
@@ -134,7 +133,7 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The columns behind time and step, of the whole scene. */
+/* The columns of the whole scene. */
 static void FillColumns(Output output, const SeriesValues *v, PetscReal line[])
 {
   const PetscReal part[] = {
@@ -143,27 +142,26 @@ static void FillColumns(Output output, const SeriesValues *v, PetscReal line[])
 #undef COLUMN
   };
 
-  for (PetscInt c = KEYS; c < OWN; c++) line[c - KEYS] = GaugesFactor(output->gauges, &own[c]) * part[c];
+  for (PetscInt c = 0; c < OWN; c++) line[c] = GaugesFactor(output->gauges, &own[c]) * part[c];
 }
 
 PetscErrorCode SeriesWrite(Output output, const StepState *state)
 {
   SeriesValues  v = {.state = state};
   const Column *columns;
-  PetscReal    *line;
   PetscInt      gauges;
   int           error = 0;
 
   PetscFunctionBegin;
   PetscCall(GaugesColumns(output->gauges, &gauges, &columns));
-  PetscCall(PetscMalloc1(OWN - KEYS + gauges, &line));
-  PetscCall(GaugesMeasure(output->gauges, line + OWN - KEYS)); /* first: a crater measures the level */
+  if (!output->line) PetscCall(PetscMalloc1(OWN + gauges, &output->line));
+  PetscCall(GaugesMeasure(output->gauges, output->line + OWN)); /* first: a crater measures the level */
   PetscCall(GaugesTotals(output->gauges, &v.totals));
   v.wall = OutputWallTime(output);
-  FillColumns(output, &v, line);
-  if (!output->rank) error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, OWN - KEYS + gauges, line);
-  PetscCall(PetscFree(line));
-  PetscCall(FolderStatus(output, error, "write", SERIES_FILE));
+  FillColumns(output, &v, output->line);
+  if (!output->rank)
+    error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, OWN - KEYS + gauges, output->line + KEYS);
+  PetscCall(FolderStatus(output, error, "write", OUTPUT_SERIES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,9 +185,15 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBoo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const PetscReal *OutputLine(Output output, PetscInt step)
+{
+  return output->series_step == step ? output->line : NULL;
+}
+
 PetscErrorCode SeriesFinish(Output output)
 {
   PetscFunctionBegin;
+  PetscCall(PetscFree(output->line));
   if (output->series_file) fclose(output->series_file);
   for (PetscInt t = 0; t < GAUGE_TABLES_MOST; t++)
     if (output->table_file[t]) fclose(output->table_file[t]);

@@ -83,6 +83,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
   InterruptSilence((double)sim->wall_clock_silence);
+  PetscCall(RestSetFromOptions(sim));
   PetscCall(MonitorSetFromOptions(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,6 +170,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
+  PetscCall(RestSetUp(sim));
   PetscCall(DumpOptions(sim));
   if (help) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
@@ -352,6 +354,8 @@ PetscErrorCode SimRun(Sim sim)
     PetscCall(InterruptCheck(sim->comm, &clock, &interrupted));
     last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
     PetscCall(WriteOutput(sim, last));
+    if (!last) PetscCall(RestCheck(sim, &last));
+    PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state))
       PetscCall(Checkpoint(sim));
     else if (clock)
@@ -377,6 +381,7 @@ PetscErrorCode SimDestroy(Sim *sim)
   PetscFunctionBegin;
   if (!s) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MonitorDestroy(s));
+  PetscCall(RestDestroy(s));
   if (s->output) PetscCall(OutputDestroy(&s->output));
   if (s->gauges) PetscCall(GaugesDestroy(&s->gauges));
   if (s->spectrum) PetscCall(SpectrumDestroy(&s->spectrum));

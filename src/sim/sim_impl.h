@@ -5,6 +5,18 @@
 #include "../base/json.h"
 #include "sim.h"
 
+#define REST_COLUMNS 16
+/* Columns of the series that must rest, and their curves. */
+typedef struct {
+  struct {
+    PetscInt count;
+    char    *text[REST_COLUMNS];
+  } names;
+  PetscInt   column[REST_COLUMNS];  /* of a line of the series */
+  PetscReal *curve;                 /* [lines][1 + count]: time (s) and values; rank 0 */
+  PetscInt   lines, capacity, next; /* next: so many lines are judged next */
+} RestWatch;
+
 struct _p_Sim {
   MPI_Comm      comm;
   Domain        domain;
@@ -28,6 +40,7 @@ struct _p_Sim {
   PetscViewer monitor; /* NULL: none */
   PetscInt    monitor_lines;
   PetscBool   monitor_csv, monitor_draw;
+  RestWatch   rest;
   char        dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
   char        scene_json[PETSC_MAX_PATH_LEN];
   char        restart[PETSC_MAX_PATH_LEN];
@@ -55,6 +68,13 @@ PetscErrorCode BudgetReport(Sim sim);
 PetscErrorCode MonitorSetFromOptions(Sim sim);
 PetscErrorCode MonitorStep(Sim sim);
 PetscErrorCode MonitorDestroy(Sim sim);
+/* RestSetFromOptions - reads -stop_at_rest; RestSetUp - looks its columns up, refuses (UserError) unknown ones, once
+   the gauges know theirs; RestCheck - whether they rest after this step, with a line that says so; RestDestroy.
+   Collective. */
+PetscErrorCode RestSetFromOptions(Sim sim);
+PetscErrorCode RestSetUp(Sim sim);
+PetscErrorCode RestCheck(Sim sim, PetscBool *rests);
+PetscErrorCode RestDestroy(Sim sim);
 /* RefuseCombinations - refuses (UserError) features that cannot be used together, of the parts of sim that have read
    their options so far. RefusalsHelp - prints all these pairs of features, for -help. Collective. RefusalsJson - writes
    them. Not collective. */

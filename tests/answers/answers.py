@@ -13,6 +13,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
 import answer  # noqa: E402
 import ladder  # noqa: E402
+import numpy as np  # noqa: E402
 import launch  # noqa: E402
 import quantity  # noqa: E402
 import reduce  # noqa: E402
@@ -350,6 +351,62 @@ def programs():
     refused(lambda: study.values_of("1..2"), "LOW..HIGH/COUNT", "refuses_range")
 
 
+def couette(time):
+    """Kinetic energy (J/m) of liquid between walls 1 m apart and 0.4 m long, one of which moves at 1 m/s, from rest."""
+    y = np.linspace(0, 1, 2001)
+    u = y + sum(2 * (-1)**n / (n * math.pi) * np.exp(-(n * math.pi)**2 * 0.5 * time) * np.sin(n * math.pi * y)
+                for n in range(1, 40))
+    return 0.4 * 0.5 * 1000 * float(np.trapz(u * u, y))
+
+
+def resting(times, curve):
+    """The time at which the curve has stayed within 2 % of its range since half of it."""
+    return next((t for t in times[10:] if np.ptp(curve[(times >= t / 2) & (times <= t)]) <= 0.02 * np.ptp(
+        curve[times <= t])), math.inf)
+
+
+def rests():
+    """A run ends when the exact solution says so, on any number of ranks, and not before all motions have come."""
+    slit = "-dimension 2 -spacing 0.04 -box_lower 0,0 -box_upper 0.4,1 -box_x periodic -box_y wall -bodies a " \
+        "-a_viscosity 500 -box_ymax_velocity 1,0 -time_end 3 -snapshot_interval 0 "
+    exact = np.linspace(0.01, 3, 300)
+    due = resting(exact, np.array([couette(t) for t in exact]))
+    for ranks in (1, 2):
+        folder = runs.run(f"-options_file {scene('slit', slit)} -stop_at_rest", f"slit_{ranks}", ranks=ranks)
+        series = runs.series(folder)
+        runs.check_within(series["time"][-1] / due, 0.95, 1.25, f"rests_when_the_solution_does_on_{ranks}")
+        ended = resting(series["time"], series["kinetic_energy"])
+        runs.check_within(series["time"][-1] / ended, 1, 1.05, f"rests_when_its_curve_does_on_{ranks}")
+        with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+            runs.check("at rest at" in file.read(), f"says_that_it_rests_on_{ranks}")
+        runs.check_within(series["kinetic_energy"][-1] / couette(9), 0.97, 1.03, f"value_at_rest_on_{ranks}")
+    flight = CUBE.replace("1e-3", "2e-3") + "-box_x periodic -bodies a -a_shape sphere -a_radius 1e-3 -a_velocity 1,0,0"
+    runs.check_within(runs.series(runs.run(f"-options_file {scene('flight', flight)} -stop_at_rest", "flight"))["time"][
+        -1], 1.999e-3, 2.001e-3, "a_drop_in_flight_does_not_rest")
+    table = runs.scratch("late.txt")
+    with open(table, "w", encoding="utf-8") as file:
+        file.write("0 0 0\n2.5 0 0\n3 0.1 0\n")
+    late = slit + f"-solids p -p_shape sphere -p_radius 0.1 -p_center 0.2,0.4 -p_motion_file {table}"
+    runs.check_within(runs.series(runs.run(f"-options_file {scene('late', late)} -stop_at_rest", "late"))["time"][-1],
+                      2.999, 3.001, "what_is_to_move_does_not_rest")
+    path, quantities, arguments, known = asked("at_rest", slit.replace("-time_end 3", "-time_end 0.2"),
+                                               "kinetic_energy:rest")
+    quantities[0].find(known["columns"])
+    found = answer.Answer(path, quantities, arguments)
+    series = found.run(0.04, [1])[0].series
+    runs.check_within(quantities[0].of(series) / couette(9), 0.97, 1.03, "a_value_at_rest_runs_on")
+    runs.check(not quantities[0].remarks(series), "rest_is_rest", str(quantities[0].remarks(series)))
+    short = found.more.copy()
+    found.more = short[2:]
+    said = quantities[0].remarks(found.run(0.04, [2])[0].series)
+    runs.check("still changes" in str(said), "says_that_it_does_not_rest", str(said))
+    for text, words in (("highest:end", ["-stop_at_rest"]), ("highest:end,highest:max", []),
+                        ("highest:at=0.1", []), ("highest:rest", ["-time_end", "-stop_at_rest"])):
+        made = quantity.ends(quantity.read(text), known)
+        runs.check([w for w in made if w[0] == "-"] == words, f"ends_{text}", str(made))
+    refused(lambda: quantity.ends(quantity.read("highest:rest,highest:max"), known), "rest needs", "rest_beside_max")
+
+
 def mean(values):
     """Of the second half."""
     return sum(values[len(values) // 2:]) / (len(values) - len(values) // 2)
@@ -373,7 +430,8 @@ def models():
 
 
 PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
-         "holds": holds, "figures": figures, "squares": squares, "carries": carries}
+         "holds": holds, "figures": figures, "squares": squares, "carries": carries,
+         "rests": rests}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

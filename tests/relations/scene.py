@@ -14,7 +14,7 @@ import reduce  # noqa: E402
 
 # What is written and measured, which must not change anything, and what bounds a run.
 OUTPUT = re.compile(r"(gauge|snapshot|series|checkpoint|output|progress|monitor|wall_clock)_|(time_end|steps_max|"
-                    r"packing_cache|dry_run|dump_options)$")
+                    r"packing_cache|dry_run|dump_options|stop_at_rest)$")
 # Options of a place, of a direction, of a direction of rotation; corners come in pairs.
 POINTS = {"center", "point", "rotation_center", "strain_center", "frame_rotation_center", "offset"}
 DIRECTIONS = {"velocity", "gravity", "gravity_amplitude", "oscillation_amplitude", "normal", "axis"}
