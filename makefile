@@ -100,7 +100,7 @@ packages:
 # A quarter of the main case, 0.25 mm where the surface is curved: three quarters of a minute on two cores, then figures.
 run: packages
 	$(MAKE) -j"$$JOBS" isph
-	$(MPI) mpiexec -n 2 ./isph -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
+	$(MPI) ./isph -ranks 2 -options_file cases/drop_impact/case.opts -options_file options/quarter.opts \
 	  -options_file cases/drop_impact/following.opts -output_dir "$$RUN" -output_overwrite
 	$(PYTHON) cases/drop_impact/figures.py "$$RUN"
 	$(PYTHON) src/pictures/report.py "$$RUN"

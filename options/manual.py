@@ -18,11 +18,10 @@ HEAD = r""".TH ISPH 1 "" "isph" "User Commands"
 isph \- incompressible smoothed particle hydrodynamics on PETSc
 .SH SYNOPSIS
 .B isph
+.RB [ \-ranks
+.IR N ]
 .RI [ file.opts " ...] [" \-name
 .RI [ value "]] ..."
-.br
-.B mpiexec \-n 4 isph
-\&...
 .SH DESCRIPTION
 Simulates drops, splashes and other free-surface flows of liquids by particles. The scene and everything else are
 options, on the command line or one a line in options files; what comes later wins. All units are SI. PETSc's own

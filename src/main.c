@@ -1,5 +1,5 @@
 static char help[] = "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
-                     "  ./isph cases/drop_impact/case.opts [options/quick.opts ...] [-name value ...]\n"
+                     "  ./isph [-ranks N] cases/drop_impact/case.opts [options/quick.opts ...] [-name value ...]\n"
                      "Later options win over earlier ones.\n\n";
 
 #include "sim/sim.h"
@@ -43,6 +43,8 @@ int main(int argc, char **argv)
   int            result;
 
   ProgramStart();
+  result = RanksLaunch(argc, argv);
+  if (result >= 0) return result;
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush())
     return 2; /* before the options are read: a missing options file is the user's error too */
   PrinterStart();

@@ -17,7 +17,7 @@ paper: PRESET = paper
 paper-printed: PRESET = printed
 paper paper-printed: packages
 	$(MAKE) isph
-	set -f; $(MPI) mpiexec -n 2 ./isph $(PAPER) $(if $(filter printed,$(PRESET)),-options_file options/paper.opts) \
+	set -f; $(MPI) ./isph -ranks 2 $(PAPER) $(if $(filter printed,$(PRESET)),-options_file options/paper.opts) \
 	  -output_dir "$$RUN"_$(PRESET)$(PLACE) $(if $(findstring -restart,$(FLAGS)),,-output_overwrite) $$FLAGS
 	$(PYTHON) cases/drop_impact/figures.py "$$RUN"_$(PRESET)$(PLACE)
 	$(PYTHON) cases/drop_impact/compare.py "$$RUN"_$(PRESET)$(PLACE)

@@ -160,18 +160,29 @@ PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first,
    lets Open MPI's ranks yield if there are more of them than processors. Freed arrays of many megabytes leave the
    process.
    From then on the signals HUP, INT, QUIT, PIPE, TERM, USR1 and XCPU are recorded instead of ending the program. A
-   second signal of the same kind ends the program at once. A signal that was ignored at the start stays ignored.
+   second signal of the same kind, SIGNAL_AGAIN or more later (s), ends the program at once: a closed window and
+   timeout(1) send two. A signal that was ignored at the start stays ignored.
    InterruptBlock - blocks these signals until InterruptWatch records them again: PetscInitialize sets handlers of its
    own in between. Not collective. */
+#define SIGNAL_AGAIN 0.5
 void ProgramStart(void);
 void InterruptBlock(void);
 void InterruptWatch(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
+/* RanksLaunch - with -ranks N, N > 1, on the command line runs the program by mpiexec on N processes, to which it
+   passes on the signals that end a run, and returns the exit code; otherwise, and in a process of mpiexec, -1. Call it
+   after ProgramStart, before MPI_Init. Not collective. */
+#define RANKS_OPTION "-ranks"
+int RanksLaunch(int argc, char *argv[]);
 /* InterruptLimit - sets the wall-clock limit of the run (s); 0: none. InterruptCheck - *reason: why the run should end
    now, or NULL; the same on every rank. *wanted becomes the logical or of its values on all ranks (may be NULL). A
-   signal that no check follows for half a second is confirmed on standard error. InterruptCheck is collective. */
+   signal that no check follows for half a second is confirmed on standard error. InterruptCheck is collective.
+   InterruptPatience - mpiexec leaves the run its time after a signal: -ranks has started it. InterruptStopFile - the
+   run ends when a file of this name appears; one that is there is removed first. */
 void           InterruptLimit(double seconds);
+void           InterruptPatience(void);
+void           InterruptStopFile(const char path[]);
 PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason);
 /* InterruptSilence - sets the time without a sign of life (s) after which rank 0 says so in one sentence and exits,
    which makes mpiexec end the run; 0: never. InterruptAlive - a sign of life; doing: what begins now, borrowed, or

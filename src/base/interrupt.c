@@ -19,12 +19,12 @@ static const struct {
 } Watched[] = {{SIGHUP, "SIGHUP"},   {SIGINT, "SIGINT"},   {SIGQUIT, "SIGQUIT"}, {SIGPIPE, "SIGPIPE"},
                {SIGTERM, "SIGTERM"}, {SIGUSR1, "SIGUSR1"}, {SIGXCPU, "SIGXCPU"}};
 
-#define WATCHED          PETSC_STATIC_ARRAY_LENGTH(Watched)
-#define SLOW             500000 /* us after a signal: without a check, it is confirmed; mpiexec kills after 1 s */
-#define LEAST_HALF       1e-3   /* s: bounds of half the time of silence */
-#define MOST_HALF        1e9
-#define LARGE_ARRAY      (1 << 23) /* bytes; the step's work arrays of small scenes stay on the heap, which is faster */
-#define MPIEXEC_PATIENCE "OMPI_MCA_odls_base_sigkill_timeout" /* s after which Open MPI's mpiexec kills the program */
+#define WATCHED     PETSC_STATIC_ARRAY_LENGTH(Watched)
+#define SLOW        500000 /* us after a signal: without a check, it is confirmed; mpiexec kills after 1 s */
+#define LEAST_HALF  1e-3   /* s: bounds of half the time of silence */
+#define MOST_HALF   1e9
+#define LARGE_ARRAY (1 << 23) /* bytes; the step's work arrays of small scenes stay on the heap, which is faster */
+#define LOOK        1.0       /* s between two looks for the stop file */
 
 static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
 static PetscBool             Ignored[WATCHED];
@@ -43,6 +43,12 @@ static struct {
   const char           *doing;
   char                  checkpoint[PETSC_MAX_PATH_LEN]; /* the last complete one; "": none */
 } Timer = {.doing = "the set-up"};
+
+/* On rank 0, which looks for it. */
+static struct {
+  char   path[PETSC_MAX_PATH_LEN]; /* "": none */
+  double next;                     /* s */
+} Stop;
 
 /* Prints a line of up to eight texts on standard error and into the journal. Signal handlers call this: stdio is not
    safe there. */
@@ -67,8 +73,8 @@ static void Ring(int number)
   if (Signalled && !Timer.answered) {
     Timer.answered = 1;
     Say((const char *const[8]){"received a signal: the run ends with a checkpoint after this step",
-                               KilledSoon ? "; if mpiexec sent the signal, it kills the run a second later: start "
-                                            "mpiexec with " MPIEXEC_PATIENCE "=600"
+                               KilledSoon ? ", unless mpiexec sent the signal and kills the run in half a second: "
+                                            "./isph " RANKS_OPTION " N in place of mpiexec gives it the time"
                                           : "",
                                last, Timer.checkpoint});
     (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
@@ -86,14 +92,22 @@ static void Ring(int number)
 
 static void Record(int number)
 {
-  const int error = errno;
+  static double last[WATCHED];
+  const int     error = errno;
+  const double  now   = ProgramSeconds();
 
   if (!Signalled && number != SIGPIPE && Timer.kept)
     (void)setitimer(ITIMER_REAL, &(struct itimerval){.it_value.tv_usec = SLOW}, NULL);
-  for (size_t k = 0; k < WATCHED && !Signalled; k++)
-    if (Watched[k].number == number) Signalled = (sig_atomic_t)(k + 1);
-  /* The second signal ends the program at once, but each print into a closed pipe raises SIGPIPE again. */
-  if (number != SIGPIPE) (void)signal(number, SIG_DFL);
+  for (size_t k = 0; k < WATCHED; k++) {
+    if (Watched[k].number != number) continue;
+    if (!Signalled) Signalled = (sig_atomic_t)(k + 1);
+    /* The second signal ends the program at once, but each print into a closed pipe raises SIGPIPE again. */
+    if (last[k] > 0 && now - last[k] > SIGNAL_AGAIN && number != SIGPIPE) {
+      (void)signal(number, SIG_DFL);
+      (void)raise(number); /* it is blocked until this handler returns */
+    }
+    if (last[k] == 0) last[k] = now;
+  }
   errno = error;
 }
 
@@ -147,7 +161,7 @@ void ProgramStart(void)
   (void)clock_gettime(CLOCK_MONOTONIC, &Start);
   GiveBackMemory();
   ShareProcessors();
-  KilledSoon = (PetscBool)(getenv("OMPI_COMM_WORLD_SIZE") && !getenv(MPIEXEC_PATIENCE));
+  KilledSoon = (PetscBool) !!getenv("OMPI_COMM_WORLD_SIZE");
   /* A file of the run must not get the descriptor of a closed standard stream. */
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
     if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) (void)open("/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);
@@ -172,17 +186,40 @@ void InterruptLimit(double seconds)
   Limit = seconds;
 }
 
+void InterruptPatience(void)
+{
+  KilledSoon = PETSC_FALSE;
+}
+
+void InterruptStopFile(const char path[])
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank) return;
+  (void)unlink(path);
+  (void)snprintf(Stop.path, sizeof(Stop.path), "%s", path);
+}
+
+/* Whether the stop file has appeared. It is removed, so that the next run in the folder is not ended, too. */
+static PetscBool StopWanted(double now)
+{
+  if (!Stop.path[0] || now < Stop.next) return PETSC_FALSE;
+  Stop.next = now + LOOK;
+  return (PetscBool)!unlink(Stop.path);
+}
+
 PetscErrorCode InterruptCheck(MPI_Comm comm, PetscBool *wanted, const char **reason)
 {
   const double now     = ProgramSeconds();
-  PetscInt     what[3] = {Signalled, Limit > 0 && now > Limit, wanted && *wanted};
+  PetscInt     what[4] = {Signalled, Limit > 0 && now > Limit, wanted && *wanted, StopWanted(now)};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 3, MPIU_INT, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, what, 4, MPIU_INT, MPI_MAX, comm));
   Timer.answered = what[0] > 0;
   InterruptAlive(NULL);
   if (wanted) *wanted = (PetscBool)(what[2] > 0);
-  *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : NULL;
+  *reason = what[0] ? Watched[what[0] - 1].name : what[1] ? "-wall_clock_limit" : what[3] ? "the stop file" : NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

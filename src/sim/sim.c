@@ -1,12 +1,14 @@
 #include "../emitters/emitters.h"
 #include "sim_impl.h"
 #include <stdlib.h>
+#include <unistd.h>
 
 #define UNEVEN 0.01 /* standard deviation of the density over the rest density; an optimised packing has 1e-4 */
 
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
 #define JOURNAL_FILE    "log.txt"
+#define STOP_FILE       "stop"
 
 PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
 {
@@ -52,6 +54,10 @@ static const OptionRow options[] = {
 };
 
 static const OptionRow deeds[] = {
+  {RANKS_OPTION,
+   "Processes, which the program starts by mpiexec itself; a signal or Ctrl-C then ends the run with a checkpoint "
+   "however long a step is; on the command line only",
+   "1", "[1, inf)", ROW_INT, offsetof(struct _p_Sim, ranks), .fallback = "those of mpiexec, or one"},
   {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,
    NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
   {"-scene_model",
@@ -69,6 +75,8 @@ static const OptionRow deeds[] = {
 
 static PetscErrorCode ReadOwnOptions(Sim sim)
 {
+  PetscMPIInt size;
+
   PetscFunctionBegin;
   PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
   PetscCall(OptionsRead(PetscOptionsObject, options, "SimSetFromOptions", sim));
@@ -80,6 +88,13 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   for (const OptionRow *row = deeds; row->name; row++)
     PetscCheckUser(row->kind != ROW_TEXT || !OptionFind(row->name)->given || ((char *)sim + row->offset)[0], sim->comm,
                    "%s needs the name of the file to write", row->name);
+  PetscCallMPI(MPI_Comm_size(sim->comm, &size));
+  PetscCheckUser(!sim->ranks || sim->ranks == size, sim->comm,
+                 RANKS_OPTION " %" PetscInt_FMT
+                              " starts mpiexec itself, but this run has %d process%s: write it on the "
+                              "command line, without mpiexec",
+                 sim->ranks, size, size > 1 ? "es" : "");
+  if (sim->ranks) InterruptPatience();
   ProgressInterval((double)sim->progress_interval);
   InterruptLimit((double)sim->wall_clock_limit);
   InterruptSilence((double)sim->wall_clock_silence);
@@ -228,8 +243,26 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(SceneFileWrite(sim, NULL));
     PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" JOURNAL_FILE, OutputFolder(sim->output)));
     PetscCall(JournalOpen(sim->comm, path));
+    PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" STOP_FILE, OutputFolder(sim->output)));
+    InterruptStopFile(path);
   }
   PetscCall(PetscLogStagePop());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Says how a run in a terminal is ended: before the signal, since mpiexec leaves no time after it. */
+static PetscErrorCode ViewEnd(Sim sim, PetscViewer viewer)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(sim->comm, &size));
+  if (size > 1 && !sim->ranks && !sim->dry_run && isatty(STDOUT_FILENO))
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "To end with a checkpoint: touch %s/" STOP_FILE
+                                     "; after Ctrl-C mpiexec kills the run in two seconds, which ./isph " RANKS_OPTION
+                                     " %d in place of mpiexec does not\n",
+                                     OutputFolder(sim->output), size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -257,6 +290,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
   PetscCall(EmittersView(sim, viewer));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
+  PetscCall(ViewEnd(sim, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

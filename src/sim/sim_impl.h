@@ -35,7 +35,7 @@ struct _p_Sim {
   PackingReport report;
   PetscReal     time_end, progress_interval, wall_clock_limit, wall_clock_silence, relaxation_time, relaxation_damping,
     relaxation_step, relaxation_speed;
-  PetscInt    steps_max;
+  PetscInt    steps_max, ranks; /* ranks: 0: mpiexec was started by the user */
   PetscBool   has_end, dry_run, model;
   PetscViewer monitor; /* NULL: none */
   PetscInt    monitor_lines;

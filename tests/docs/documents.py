@@ -37,7 +37,7 @@ def headings(path):
 def known_options():
     """Names the sources read, those of bodies without the body's name."""
     names = set()
-    for path in glob.glob(os.path.join(runs.ROOT, "src/*/*.c")):
+    for path in glob.glob(os.path.join(runs.ROOT, "src/*/*.[ch]")):
         with open(path, encoding="utf-8") as file:
             names |= set(re.findall(r'"-([a-z][a-z0-9_]*)"', file.read()))
     return names

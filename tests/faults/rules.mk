@@ -7,6 +7,7 @@
 faults: isph $(BUILD)/tests/unit/test_errors
 	@$(PYTHON) tests/faults/faults.py --kills 50 --damages 200 --disks 40
 	@$(PYTHON) tests/faults/signals.py --all
+	@$(PYTHON) tests/faults/terminal.py --all
 	@$(PYTHON) tests/faults/options.py --all
 	@$(PYTHON) tests/faults/crafted.py --checkpoints 200 --packings 40 --scenes 30
 	@$(PYTHON) tests/faults/stl.py --number 100 --triangles 1000000
