@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""What a user does to a run in a terminal: Ctrl-C, Ctrl-Z and fg, a closed window, kill, a killed launcher, a stop file;
-at short steps, and during one that takes longer than mpiexec's patience. Each time the run on two ranks by -ranks, and
+"""What a user does to a run in a terminal: Ctrl-C, Ctrl-Z and fg, a closed window, kill, a killed launcher, a stop
+file; at short steps, and during one that takes longer than mpiexec's patience. Each time the run on two ranks by -ranks, and
 on one, ends with a checkpoint to continue from and a sentence; mpiexec in place of -ranks is warned of at the start.
 
     tests/faults/terminal.py [--all]    on one rank, too, and with more signals"""
@@ -181,11 +181,11 @@ def twice():
 def warned():
     """mpiexec in place of -ranks: said before it is too late, with the way out."""
     folder = runs.scratch("warned")
-    terminal = Terminal(["mpiexec", "-n", "2", runs.PROGRAM, *shlex.split(SCENE), "-steps_max", "3", "-output_dir", folder],
-                        2, folder)
+    words = ["mpiexec", "-n", "2", runs.PROGRAM, *shlex.split(SCENE), "-steps_max", "3", "-output_dir", folder]
+    terminal = Terminal(words, 2, folder)
     code = terminal.ended()
-    runs.check(code == 0 and f"touch {folder}/stop" in terminal.text and "-ranks 2" in terminal.text, "mpiexec_is_warned_of",
-               f"code {code}: {terminal.text[-600:]}")
+    runs.check(code == 0 and f"touch {folder}/stop" in terminal.text and "-ranks 2" in terminal.text,
+               "mpiexec_is_warned_of", f"code {code}: {terminal.text[-600:]}")
     terminal.close()
 
 
@@ -197,8 +197,8 @@ def refused():
                               ("zero", [runs.PROGRAM, *shlex.split(SCENE), "-ranks", "0"], "-ranks is 0"),
                               ("under_mpiexec", ["mpiexec", "-n", "1", runs.PROGRAM, *shlex.split(SCENE), "-ranks", "2"],
                                "without mpiexec")):
-        done = subprocess.run(words + ["-output_dir", runs.scratch("refused")], cwd=runs.ROOT, env=runs.environment(2),
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=SECONDS, check=False)
+        done = subprocess.run(words + ["-output_dir", runs.scratch("refused")], cwd=runs.ROOT, check=False,
+                              env=runs.environment(2), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=SECONDS)
         lines = [line for line in done.stderr.splitlines() if line.startswith("isph: error: ")]
         runs.check(done.returncode and len(lines) == 1 and word in lines[0] and
                    not os.path.exists(runs.scratch("refused")), f"ranks_refused_{name}", done.stderr[-400:])
