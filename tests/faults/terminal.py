@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """What a user does to a run in a terminal: Ctrl-C, Ctrl-Z and fg, a closed window, kill, a killed launcher, a stop
-file; at short steps, and during one that takes longer than mpiexec's patience. Each time the run on two ranks by -ranks, and
-on one, ends with a checkpoint to continue from and a sentence; mpiexec in place of -ranks is warned of at the start.
+file; at short steps, and during one that takes longer than mpiexec's patience. Each time the run on two ranks by
+-ranks, and on one, ends with a checkpoint to continue from and a sentence; mpiexec in place of -ranks is warned of at
+the start.
 
     tests/faults/terminal.py [--all]    on one rank, too, and with more signals"""
 import contextlib
@@ -195,10 +196,11 @@ def refused():
         file.write("-ranks 2\n")
     for name, words, word in (("in_a_file", [runs.PROGRAM, file.name, *shlex.split(SCENE)], "on the command line"),
                               ("zero", [runs.PROGRAM, *shlex.split(SCENE), "-ranks", "0"], "-ranks is 0"),
-                              ("under_mpiexec", ["mpiexec", "-n", "1", runs.PROGRAM, *shlex.split(SCENE), "-ranks", "2"],
-                               "without mpiexec")):
+                              ("under_mpiexec", ["mpiexec", "-n", "1", runs.PROGRAM, *shlex.split(SCENE), "-ranks",
+                                                 "2"], "without mpiexec")):
         done = subprocess.run(words + ["-output_dir", runs.scratch("refused")], cwd=runs.ROOT, check=False,
-                              env=runs.environment(2), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=SECONDS)
+                              env=runs.environment(2), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=SECONDS)
         lines = [line for line in done.stderr.splitlines() if line.startswith("isph: error: ")]
         runs.check(done.returncode and len(lines) == 1 and word in lines[0] and
                    not os.path.exists(runs.scratch("refused")), f"ranks_refused_{name}", done.stderr[-400:])
