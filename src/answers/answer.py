@@ -42,6 +42,10 @@ PAIR = 2  # packings of each
 LEAST_SHARE = 0.05  # of the run, that the comparison must reach
 
 
+STYLE = ("<!doctype html><meta charset='utf-8'><title>{}</title><style>body{{font:15px sans-serif;max-width:64em;"
+         "margin:2em auto;padding:0 1em}}td,th{{padding:.15em .8em;text-align:right}}img{{max-width:100%}}</style>\n")
+
+
 class Answer:
     """The runs of a scene. rungs: [(spacing, [Run, ...])], those that ended well."""
 
@@ -328,9 +332,7 @@ def page(answer, verdicts, lines, path):
                    "".join(f"<td>{q.of(run.series):.5g}</td>" for q in answer.quantities) + "</tr>\n"
                    for spacing, runs in answer.rungs for run in runs)
     with open(path, "w", encoding="utf-8") as file:
-        file.write("<!doctype html><meta charset='utf-8'><title>Answer</title><style>body{font:15px sans-serif;"
-                   "max-width:64em;margin:2em auto;padding:0 1em}td,th{padding:.15em .8em;text-align:right}"
-                   "img{max-width:100%}</style>\n" + f"<h1>{html.escape(answer.scene)}</h1>\n" +
+        file.write(STYLE.format("Answer") + f"<h1>{html.escape(answer.scene)}</h1>\n" +
                    "".join(f"<p>{html.escape(line)}</p>\n" for line in lines) +
                    "<img src='answer.png' alt='curves at all spacings, and the values over the spacing'>\n"
                    f"<table><tr><th>spacing, m</th><th>packing</th><th>seconds</th>{head}</tr>\n{rows}</table>\n")

@@ -85,7 +85,7 @@ def mark_of(scene):
 
 class Run:
     """A run in a folder of its own. What is there from an earlier call, of the same scene and program with the same
-    options, is not run again."""
+    options, is not run again. Snapshots are made and kept if the options have their interval."""
 
     def __init__(self, scene, options, folder, timeout=math.inf):
         self.scene, self.options, self.folder, self.timeout = scene, options, folder, timeout
@@ -102,15 +102,15 @@ class Run:
                 return self
         except (OSError, ValueError, tables.RunError):
             pass
-        code, last, self.cpu = start(self.scene, [*self.options, "-output_dir", self.folder, "-output_overwrite",
-                                                  "-snapshot_interval", "0", "-checkpoint_interval", "0"],
-                                     self.timeout)
+        code, last, self.cpu = start(self.scene, ["-snapshot_interval", "0", *self.options, "-output_dir", self.folder,
+                                                  "-output_overwrite", "-checkpoint_interval", "0"], self.timeout)
         if code:
             self.reason = last
             return self
         self.series = tables.read_series(self.folder)
         for name in os.listdir(self.folder):
-            if name not in KEPT and os.path.isfile(os.path.join(self.folder, name)):
+            shown = "-snapshot_interval" in self.options and name.startswith(("snapshot", "solids"))
+            if name not in KEPT and not shown and os.path.isfile(os.path.join(self.folder, name)):
                 os.remove(os.path.join(self.folder, name))
         with open(mark, "w", encoding="utf-8") as file:
             file.write(f"{wanted}\n{self.cpu}\n")

@@ -437,12 +437,12 @@ PetscErrorCode OptionsJson(Json *json, PetscBool scene)
     JsonText(json, "name", note->name);
     JsonText(json, "owner", note->owner);
     JsonText(json, "kind", KindNames[note->row.kind]);
+    JsonText(json, "unit", note->row.unit);
     if (scene) {
       JsonText(json, "value", note->value);
       JsonBool(json, "given", note->given);
     } else {
       JsonText(json, "meaning", note->row.text);
-      JsonText(json, "unit", note->row.unit);
       JsonText(json, "range", note->row.interval);
       if (note->row.words || note->row.choices) WriteWords(json, &note->row);
       JsonText(json, "default", note->row.fallback ? note->row.fallback : note->standard);

@@ -13,6 +13,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
 import answer  # noqa: E402
 import ladder  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import launch  # noqa: E402
 import quantity  # noqa: E402
@@ -318,6 +319,13 @@ def carries():
                        f"{way.why[:12]}_{column['name']}", f"{got}, not {due}")
 
 
+def drawn_lines(path):
+    """How many lines of pictures a figure has: runs of its rows in which there is blue, that of the first body."""
+    image = plt.imread(path)
+    blue = ((image[:, :, 2] > image[:, :, 0] + 0.3).sum(axis=1) > 0).astype(int)
+    return int((np.diff(blue) == 1).sum() + blue[0])
+
+
 def programs():
     scene, folder = os.path.join(runs.ROOT, "cases", "dry_wall", "rings.opts"), runs.scratch("answer")
     short = runs.scratch("short.opts")
@@ -346,6 +354,12 @@ def programs():
     with open(os.path.join(runs.scratch("study"), "drop_velocity_spacing", "study.csv"), encoding="utf-8") as file:
         rows = file.read().splitlines()
     runs.check(found.returncode == 0 and len(rows) == 5, "study", found.stdout + found.stderr)
+    with open(os.path.join(runs.scratch("study"), "drop_velocity_spacing", "study.html"), encoding="utf-8") as file:
+        shown = file.read()
+    runs.check(f"<td>{rows[1].split(',')[-2]}</td>" in shown and shown.count("<tr>") == 5,
+               "page_of_a_study", shown[:300])
+    runs.check_within(drawn_lines(os.path.join(runs.scratch("study"), "drop_velocity_spacing", "variants.png")), 4, 4,
+                      "variants_side_by_side")
     runs.check([study.axis_value(word, 5) for word in ("-90", "3,4", "red")] == [-90, 5, 5], "axis_of_a_study")
     refused(lambda: study.vary("a"), "OPTION=VALUE", "refuses_vary")
     refused(lambda: study.values_of("1..2"), "LOW..HIGH/COUNT", "refuses_range")
