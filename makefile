@@ -12,7 +12,7 @@
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
 #   make bench          speed; SIZE=full: of a million particles too
 #   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
-#   make install        PREFIX=$HOME/isph: program, manual page, completion, options, cases, pictures
+#   make install        PREFIX=$HOME/isph: program, manual page, completion, options, cases, pictures, Python
 #   make clean          removes what was built
 #   make targets        all others: studies, tables of the documents, sweeps; each is in the rules.mk of its folder
 #   CC=mpicc OMPI_CC=clang; PETSC_DIR, PETSC_ARCH, SLEPC_DIR: another compiler, another PETSc than Debian's
@@ -117,6 +117,7 @@ run-axisymmetric: packages
 # PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local
 SHARE  = "$$DESTDIR$$PREFIX"/share/isph
+PYTHON_PLACE = lib/$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")')/dist-packages
 install: isph
 	install -D -m 755 isph "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
@@ -127,6 +128,7 @@ install: isph
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/*.js $(SHARE)/pictures
 	install -m 644 -Dt $(SHARE)/pictures/uplot src/pictures/uplot/*
+	install -D -m 644 src/python/isph.py "$$DESTDIR$$PREFIX"/$(PYTHON_PLACE)/isph.py
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
 	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
 	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1

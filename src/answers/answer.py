@@ -14,6 +14,7 @@ that reproduces the last run; FOLDER/answer.html has it with pictures. A run tha
 is not run again.
 """
 import argparse
+import csv
 import html
 import math
 import os
@@ -338,6 +339,15 @@ def page(answer, verdicts, lines, path):
                    f"<table><tr><th>spacing, m</th><th>packing</th><th>seconds</th>{head}</tr>\n{rows}</table>\n")
 
 
+def table(answer, verdicts, path):
+    """answer.csv, for programs: a row for each quantity."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(("quantity", "value", "bar", "unit", "by_spacing", "by_packing"))
+        for q, v in zip(answer.quantities, verdicts):
+            rows.writerow((q.text, repr(v.value), repr(v.bar), q.unit(), repr(v.spacing), repr(v.chance)))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("scene", metavar="SCENE.opts")
@@ -365,6 +375,7 @@ def main():
     verdicts, why = answer.climb()
     lines = report(answer, verdicts, why)
     print("\n" + "\n".join(lines))
+    table(answer, verdicts, os.path.join(answer.folder, "answer.csv"))
     page(answer, verdicts, lines, os.path.join(answer.folder, "answer.html"))
     print(f"{os.path.join(answer.folder, 'answer.html')} shows ladder and curves.")
 

@@ -106,6 +106,8 @@ def written():
         for k, command in enumerate(commands(text)):
             words = shlex.split(command, comments=True)
             words = words[words.index("./isph") + 1:]
+            if "-ranks" in words:
+                del words[words.index("-ranks"):words.index("-ranks") + 2]
             if "my.opts" in command or "coat.opts" in command or "-restart" in words:
                 continue
             if "-output_dir" in words:
@@ -187,11 +189,11 @@ def tutorial():
         print("skipped tutorial_film: ffmpeg is not installed")
 
     # the README's Python, on the run of the tutorial
-    recipe = "".join(line[4:] for line in next(b for b in blocks if "import h5py" in b).splitlines(True))
+    recipe = "".join(line[4:] for line in next(b for b in blocks if "import isph" in b).splitlines(True))
     recipe = recipe.replace("output/my", folder)
     done = subprocess.run([sys.executable, "-c", recipe], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          universal_newlines=True, check=False)
-    runs.check(done.returncode == 0 and re.match(r"\S+ \(\d+, 3\) \S+", done.stdout), "readme_python",
+                          universal_newlines=True, check=False, cwd=runs.ROOT)
+    runs.check(done.returncode == 0 and re.match(r"\S+ \(\d+, 3\) \S+ \S+ m$", done.stdout), "readme_python",
                done.stdout[-300:])
 
 
@@ -292,6 +294,13 @@ def installed():
                                   stderr=subprocess.STDOUT, universal_newlines=True, check=False)
             runs.check(done.returncode == 0, f"installed_{os.path.basename(command[0])}", done.stdout[-300:])
         runs.check(os.path.exists(os.path.join(prefix, "there/figures/section.png")), "installed_picture", "missing")
+        place, = glob.glob(os.path.join(prefix, "lib/python3*/dist-packages"))
+        use = "import isph; print(isph.open_run('there').pictures('--count', '1'), isph.program(), isph.__file__)"
+        found = dict(runs.environment(), PYTHONPATH=place, PATH=f"{prefix}/bin:{os.environ['PATH']}")
+        done = subprocess.run([sys.executable, "-c", use], cwd=prefix, stdout=subprocess.PIPE, env=found,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        runs.check(done.returncode == 0 and "section.png" in done.stdout and
+                   f"{prefix}/bin/isph {place}" in done.stdout, "installed_python", done.stdout[-300:])
 
 
 def dry_runs():

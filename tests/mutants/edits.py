@@ -8,8 +8,8 @@
     tests: unit/test_pressure, unit/test_neighbors on 2, verify/couette-printed, input/bad_input.py
     survives: if no test sees it: why (an equivalent mutant, or a gap)
 
-A file is a source of the program, a Python program of src/answers, src/pictures, tests/tradeoff or tests/verify, or a
-script of the report's page.
+A file is a source of the program, a Python program of src/answers, src/pictures, src/python, tests/tradeoff or
+tests/verify, or a script of the report's page.
 Tests are parts of `make test`: unit programs, on some ranks if it says so; scripts; entries of tests/verify/cases.py of
 size test by their id. They run in this order until one fails."""
 import configparser
@@ -28,7 +28,7 @@ import run  # noqa: E402
 KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
 PLACES = re.compile(r"src/\w+/\w+\.[ch]$|src/pictures/\w+\.js$|"
-                    r"(src/answers|src/pictures|tests/tradeoff|tests/verify)/\w+\.py$")
+                    r"(src/answers|src/pictures|src/python|tests/tradeoff|tests/verify)/\w+\.py$")
 
 
 class Mutant(NamedTuple):

@@ -1,0 +1,206 @@
+#!/usr/bin/python3
+"""src/python/isph.py: runs and their arrays, what is not repeated, sentences of the program, tables with and without
+pandas, answers and studies, a stop; the recipe for the pressure's matrix of options/python.md; and the notebooks of the
+cases, whose cells are executed.
+
+    tests/docs/python.py [--part NAME]
+    tests/docs/python.py --write    executes the notebooks in place, with their figures"""
+import ast
+import base64
+import contextlib
+import glob
+import io
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import types
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+sys.path.insert(0, os.path.join(runs.ROOT, "src", "python"))
+os.environ.update(runs.mpi.ANY, MPLBACKEND="Agg")
+import isph  # noqa: E402
+import numpy as np  # noqa: E402
+
+SCENE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_xmin wall -box_xmax wall -box_ymin wall
+ -bodies film -film_upper 0.5,0.5 -gravity 0,-9.81 -time_end 0.1 -series_interval 0.01 -snapshot_interval 0.05
+ -solids part -part_lower 0.75,0.1 -part_upper 0.9,0.3 -part_velocity 0.1,0"""
+
+
+def scene(folder, more=""):
+    """A folder to work in, with an options file."""
+    os.makedirs(folder)
+    path = os.path.join(folder, "tank.opts")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(re.sub(r"\s+-", "\n-", f"{SCENE} {more}\n"))
+    return path
+
+
+def refused(function, words, name):
+    try:
+        function()
+        runs.check(False, name, "it was not refused")
+    except isph.Error as error:
+        runs.check(words in str(error) and "\n" not in str(error), name, str(error))
+
+
+def module():
+    home = runs.scratch("module")
+    tank = scene(home)
+    os.chdir(home)
+    many = isph.runs("tank.opts", gravity=[(0, -9.81), (0, -5)], film_viscosity=[1e-3, 1e-2], jobs=2)
+    pairs = [(one.options["gravity"], one.options["film_viscosity"]) for one in many]
+    runs.check(pairs == [((0, -9.81), 1e-3), ((0, -9.81), 1e-2), ((0, -5), 1e-3), ((0, -5), 1e-2)], "all_pairs",
+               str(pairs))
+    made = [next(o["value"] for o in one.scene["options"] if o["name"] == "-gravity") for one in many]
+    runs.check(made == ["0,-9.81", "0,-9.81", "0,-5", "0,-5"], "options_reach_the_program", str(made))
+    one, beside = many[0], runs.series(many[0].folder)
+    runs.check(np.array_equal(one.series["highest"], beside["highest"]) and one.units["highest"] == "m" and
+               one.units["kinetic_energy"] == "J/m", "series", str(one.units))
+    last, there = one.snapshots[-1], runs.numbered(one.folder, "snapshot")
+    runs.check(len(one.snapshots) == len(there) and last.time == runs.head(there[-1])["time"] and
+               last.position.shape == last.velocity.shape == (100, 3), "snapshots", f"{last.position.shape}")
+    whole = isph.Snapshot(there[-1], all=True)
+    runs.check(len(whole.position) > 100 and "Results are in" in one.log, "log_and_all", one.log[-200:])
+    table = many.table(top=lambda run: run.series["highest"][-1])
+    runs.check(list(table) == ["gravity", "film_viscosity", "top"] and list(table["top"]) == [
+        one.series["highest"][-1] for one in many], "table", str(table))
+    sys.modules["pandas"] = types.SimpleNamespace(DataFrame=lambda columns: ("pandas", columns))
+    kind, columns = one.table
+    runs.check(kind == "pandas" and "highest" in columns, "table_of_pandas", kind)
+    del sys.modules["pandas"]
+
+    stamp = os.path.getmtime(os.path.join(one.folder, "series.csv"))
+    again = isph.runs("tank.opts", gravity=(0, -9.81), film_viscosity=1e-3)
+    runs.check(os.path.getmtime(os.path.join(again[0].folder, "series.csv")) == stamp, "not_repeated", again[0].folder)
+    with open(tank, "a", encoding="utf-8") as file:
+        file.write("-steps_max 2\n")
+    again = isph.run("tank.opts", gravity=(0, -9.81), film_viscosity=1e-3)
+    runs.check(again.folder == one.folder and again.series["step"][-1] == 2, "another_scene_is", str(again))
+    stamp = os.path.getmtime(os.path.join(one.folder, "series.csv"))
+    again = isph.run("tank.opts", again=True, gravity=(0, -9.81), film_viscosity=1e-3)
+    runs.check(os.path.getmtime(os.path.join(one.folder, "series.csv")) > stamp, "again", again.folder)
+    two = isph.run("tank.opts", ranks=2, gravity=(0, -1))
+    runs.check(two.scene["ranks"] == 2, "two_ranks", two.folder)
+
+    refused(lambda: isph.runs("tank.opts", film_viscosity=[1e-3, -1]), "-film_viscosity is -1", "refused")
+    refused(lambda: isph.run("tank.opts", film_viscosty=1), "-film_viscosity", "misspelt")
+    refused(lambda: isph.run("nowhere.opts"), "nowhere.opts cannot be opened", "no_scene")
+    refused(lambda: isph.open_run("nowhere"), "nowhere has no run", "no_run")
+    runs.run(SCENE + " -steps_max 1", os.path.join("module", "own"))
+    refused(lambda: isph.run("tank.opts", output="own"), "own", "own_run_is_kept")
+    runs.check(not glob.glob("output/python/*/*viscosity=-1*"), "nothing_computed_of_a_refused_list", "it was")
+
+
+def stopped():
+    """Ctrl-C in Python: the run ends with a checkpoint."""
+    home = runs.scratch("stopped")
+    scene(home, "-time_end 1000")
+    program = f"import sys; sys.path.insert(0, {os.path.dirname(isph.__file__)!r}); import isph; " \
+        "isph.run('tank.opts', output='run', progress=True)"
+    process = subprocess.Popen([sys.executable, "-c", program], cwd=home, stderr=subprocess.PIPE, text=True)
+    folder = os.path.join(home, "run")
+    while process.poll() is None and not (os.path.isdir(folder) and runs.numbered(folder, "snapshot")):
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+        runs.check("KeyboardInterrupt" in said and "ended by SIGTERM" in file.read() and
+                   runs.numbered(folder, "checkpoint") and "of 1 runs" in said, "stop_in_python", said[-300:])
+
+
+def answers():
+    home = runs.scratch("answers")
+    scene(home, "-series_interval 0.002")
+    os.chdir(home)
+    found = isph.answer("tank.opts", "highest:end,kinetic_energy:max", accuracy=50, budget=8)
+    with open("output/python/answers_tank/answer/answer.html", encoding="utf-8") as file:
+        page = file.read()
+    runs.check([one.quantity for one in found] == ["highest:end", "kinetic_energy:max"] and all(
+        0 < one.bar < one.value for one in found) and found[0].unit == "m", "answer", str(found))
+    runs.check(all(f"{one.value:.5g} +- {one.bar:.2g}" in page for one in found), "answer_of_the_page", page[-600:])
+    table = isph.study("tank.opts", "highest:end", film_viscosity=[1e-3, 1e-1])
+    runs.check(list(table["film_viscosity"]) == [1e-3, 1e-1] and 0 < table["highest:end (m)"][0] <
+               table["highest:end (m)"][1] < 0.5, "study", str(table))
+    refused(lambda: isph.answer("tank.opts", "hihgest:end"), "hihgest", "answer_refused")
+
+
+def matrix():
+    with open(os.path.join(runs.ROOT, "options", "python.md"), encoding="utf-8") as file:
+        page = file.read().split("## The matrix of the pressure")[1]
+    command = re.search(r"^    \./isph (.*)$", page, re.M)[1].split()
+    os.chdir(runs.scratch(""))
+    done = runs.start([word.replace("output/matrix", runs.scratch("matrix")).replace(
+        "binary:", "binary:" + runs.scratch("")) for word in command])
+    recipe = "".join(line[4:] or "\n" for line in page.split("is numpy:\n")[1].split("\n`scipy")[0].splitlines(True))
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        exec(recipe, space := {})  # pylint: disable=exec-used
+    n, entries, residual = (float(word) for word in text.getvalue().split())
+    turned = sorted(zip(space["columns"], space["rows"], space["values"]))
+    odd = max(abs(a[2] - b[2]) for a, b in zip(sorted(zip(space["rows"], space["columns"], space["values"])), turned))
+    runs.check(done.returncode == 0 and n > 1000 and entries > 10 * n and residual < 2e-3, "matrix", text.getvalue())
+    runs.check(odd < 1e-12 * max(space["values"]), "matrix_is_symmetric", f"{odd}")
+
+
+def shown(space, source):
+    """Executes a cell: (its text, the value of its last line if that is an expression)."""
+    tree, last = ast.parse(source), None
+    value = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+    with contextlib.redirect_stdout(io.StringIO()) as text:
+        exec(compile(tree, "cell", "exec"), space)  # pylint: disable=exec-used
+        if value:
+            last = eval(compile(ast.Expression(value.value), "cell", "eval"), space)  # pylint: disable=eval-used
+    return text.getvalue(), last
+
+
+def outputs(text, last):
+    """As a notebook keeps them."""
+    import matplotlib.figure
+    kept = [{"output_type": "stream", "name": "stdout", "text": text.splitlines(True)}] if text else []
+    if isinstance(last, matplotlib.figure.Figure):
+        picture = io.BytesIO()
+        last.savefig(picture, dpi=80)
+        data = {"image/png": base64.b64encode(picture.getvalue()).decode()}
+    else:
+        data = {"text/plain": repr(last).splitlines(True)}
+    return kept + ([{"output_type": "display_data", "metadata": {}, "data": data}] if last is not None else [])
+
+
+def notebooks():
+    for path in sorted(glob.glob(os.path.join(runs.ROOT, "cases", "*", "*.ipynb"))):
+        name, home = os.path.relpath(path, runs.ROOT), runs.scratch("notebook")
+        shutil.copytree(os.path.dirname(path), os.path.join(home, "cases", "one"))
+        os.chdir(os.path.join(home, "cases", "one"))
+        with open(path, encoding="utf-8") as file:
+            book = json.load(file)
+        space, count = {}, 0
+        for cell in book["cells"]:
+            if cell["cell_type"] != "code":
+                continue
+            count += 1
+            text, last = shown(space, "".join(cell["source"]))
+            cell["outputs"], cell["execution_count"] = outputs(text, last), count
+        table = space["table"]
+        ratio = np.array(table["width"]) / np.array(table["cap"])
+        runs.check(book["nbformat"] == 4 and count == 4, f"{name}_cells", str(count))
+        runs.check(np.all(np.abs(ratio[2:] - 1) < 0.12) and np.all(np.diff(table["width"]) < 0), f"{name}_widths",
+                   f"{table}")
+        if "--write" in sys.argv:
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(book, file, indent=1)
+                file.write("\n")
+        shutil.rmtree(home)
+
+
+PARTS = {f.__name__: f for f in (module, stopped, answers, matrix, notebooks)}
+for part in ["notebooks"] if "--write" in sys.argv else runs.parts(*PARTS):
+    PARTS[part]()
+runs.done()
