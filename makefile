@@ -1,5 +1,5 @@
 # isph: incompressible SPH on PETSc
-#   make                the program ./isph; PORTABLE=1: for any processor, ARCH=-march=...: for one; STRICT=1: warnings stop it
+#   make                the program ./isph and its library; PORTABLE=1: for any processor, ARCH=-march=...: for one; STRICT=1: warnings stop it
 #   make run            the main case, its spacing following the liquid: two minutes on two cores, pictures in output/
 #   make run-axisymmetric   the main case as rings around its axis: seconds
 #   make check          whether a change is right, in three minutes; CHANGED=1: only what watches the files of `git diff`,
@@ -12,7 +12,7 @@
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
 #   make bench          speed; SIZE=full: of a million particles too
 #   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
-#   make install        PREFIX=$HOME/isph: program, manual page, completion, options, cases, pictures, Python
+#   make install        PREFIX=$HOME/isph: program, library, manual page, completion, options, cases, pictures, Python
 #   make clean          removes what was built
 #   make targets        all others: studies, tables of the documents, sweeps; each is in the rules.mk of its folder
 #   CC=mpicc OMPI_CC=clang; PETSC_DIR, PETSC_ARCH, SLEPC_DIR: another compiler, another PETSc than Debian's
@@ -24,37 +24,35 @@ PKG_PATH  = $(if $(PETSC_DIR),$(PETSC_DIR)/$(PETSC_ARCH)/lib/pkgconfig:)$(if $(S
 PKG       = PKG_CONFIG_PATH=$(PKG_PATH)$$PKG_CONFIG_PATH pkg-config
 PACKAGES  = SLEPc PETSc hdf5-openmpi zlib
 ARCH      = $(if $(PORTABLE),,-march=native)
-PIC       =
+PIC       = -fPIC -fvisibility=hidden
 CFLAGS    = -O3 $(ARCH) -g
 WARNINGS  = -Wall -Wextra $(if $(STRICT),-Werror) -Wno-unknown-warning-option -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wno-unused-parameter -Wno-missing-field-initializers -Wno-pass-failed -Wno-psabi
 ALL_FLAGS = -std=c11 -D_POSIX_C_SOURCE=200809L $(CFLAGS) $(PIC) -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd $(WARNINGS) -MMD -MP $(shell $(PKG) --cflags $(PACKAGES))
 LIBS      = $(shell $(PKG) --libs $(PACKAGES)) -lmetis -lm
 
-SOURCES   = $(filter-out src/main.c,$(wildcard src/*/*.c))
+SOURCES   = $(filter-out src/main.c,$(wildcard src/*.c src/*/*.c))
 OBJECTS   = $(SOURCES:src/%.c=$(BUILD)/%.o)
+LIBRARY   = $(BUILD)/lib/libisph.so
 
-all: $(PROGRAM)
+all: $(PROGRAM) $(LIBRARY)
 
-# The portable program on x86: all but main() is a library, once for each level of the architecture, and the loader takes
-# the highest that the processor has from lib/glibc-hwcaps. Elsewhere, and without PORTABLE=1, it is one program.
+# The library has all but main(). PORTABLE=1 on x86: once for each level of the architecture, of which the loader takes
+# the highest that the processor has from lib/glibc-hwcaps; the program is linked with it. Else the program has it within.
 ifeq ($(if $(PORTABLE),$(shell uname -m)),x86_64)
-LIBRARY   = libisph.so
-LIBRARIES = $(LIBRARY:%=$(BUILD)/lib/%) $(patsubst %,$(BUILD)/lib/glibc-hwcaps/%/$(LIBRARY),x86-64-v3 x86-64-v4)
+LIBRARIES = $(LIBRARY) $(patsubst %,$(BUILD)/lib/glibc-hwcaps/%/libisph.so,x86-64-v3 x86-64-v4)
 LEVEL     = $(or $(filter x86-64-v%,$(subst /, ,$@)),x86-64)
 $(LIBRARIES): force
-	@mkdir -p $(@D); $(MAKE) --no-print-directory PORTABLE= BUILD=$(BUILD)/$(LEVEL) ARCH=-march=$(LEVEL) \
-	  PIC="-fPIC -fno-semantic-interposition" SHARED=$@ $@
+	@mkdir -p $(@D); $(MAKE) --no-print-directory PORTABLE= BUILD=$(BUILD)/$(LEVEL) ARCH=-march=$(LEVEL) LIBRARY=$@ $@
 
 $(PROGRAM): $(BUILD)/main.o $(LIBRARIES)
 	@echo LD $@; $(CC) $(CFLAGS) -o $@ $< -L$(BUILD)/lib -lisph -Wl,-rpath,'$$ORIGIN/$(BUILD)/lib:$$ORIGIN/../lib/isph' $(LIBS)
 else
+LIBRARIES = $(LIBRARY)
+$(LIBRARY): $(OBJECTS)
+	@mkdir -p $(@D); echo LD $@; $(CC) $(CFLAGS) -shared -Wl,-soname,libisph.so -o $@ $^ $(LIBS)
+
 $(PROGRAM): $(BUILD)/main.o $(OBJECTS)
 	@echo LD $@; $(CC) $(CFLAGS) -o $@ $^ $(LIBS)
-endif
-
-ifdef SHARED
-$(SHARED): $(OBJECTS)
-	@echo LD $@; $(CC) $(CFLAGS) -shared -Wl,-Bsymbolic -o $@ $^ $(LIBS)
 endif
 
 $(BUILD)/%.o: src/%.c $(BUILD)/flags
@@ -118,10 +116,16 @@ run-axisymmetric: packages
 PREFIX = /usr/local
 SHARE  = "$$DESTDIR$$PREFIX"/share/isph
 PYTHON_PLACE = lib/$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")')/dist-packages
-install: isph
+install: isph $(LIBRARIES)
 	install -D -m 755 isph "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
 	  install -D -m 755 $(BUILD)/lib/$$library "$$DESTDIR$$PREFIX"/lib/isph/$$library || exit 1; done
+	install -D -m 644 src/isph.h "$$DESTDIR$$PREFIX"/include/isph.h
+	install -d "$$DESTDIR$$PREFIX"/lib/pkgconfig
+	printf 'prefix=%s\nName: isph\nDescription: incompressible smoothed particle hydrodynamics\nVersion: %s\n' "$$PREFIX" \
+	  "$$(sed -n 's/^#define ISPH_VERSION "\(.*\)"/\1/p' src/base/base.h)" > "$$DESTDIR$$PREFIX"/lib/pkgconfig/isph.pc
+	printf '%s\n' 'Cflags: -I$${prefix}/include' 'Libs: -L$${prefix}/lib/isph -lisph -Wl,-rpath,$${prefix}/lib/isph' \
+	  >> "$$DESTDIR$$PREFIX"/lib/pkgconfig/isph.pc
 	install -d $(SHARE)/pictures $(SHARE)/answers $(SHARE)/options/cluster
 	install -m 644 src/answers/*.py $(SHARE)/answers
 	install -m 644 options/*.opts $(SHARE)/options
@@ -141,7 +145,7 @@ install: isph
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.
 CHANGED   =
 SANITIZED = output/sanitized
-PROGRAMS  = $(PROGRAM) $(UNIT) $(COMPARE) $(TYPES)
+PROGRAMS  = $(PROGRAM) $(LIBRARY) $(UNIT) $(COMPARE) $(TYPES)
 TESTS     = @PYTHON=$(PYTHON) $(PYTHON) tests/run.py --only "$$ONLY" $(NUMBER)
 .PHONY: check test test-ci test-long lint sanitized programs sanitized-programs
 check: programs

@@ -56,7 +56,7 @@ typedef enum {
 
 typedef enum { STAGE_PACKING, STAGE_STEPS, STAGE_OUTPUT, STAGE_COUNT } StageId;
 
-/* LogRegister - registers the events and stages. Call once after PetscInitialize. Collective. */
+/* LogRegister - registers the events and stages, once; call it after PetscInitialize. Collective. */
 PetscErrorCode LogRegister(void);
 /* LogEvent, LogStage - the PETSc handles of an event or a stage. Not collective. */
 PetscLogEvent LogEvent(EventId event);
@@ -137,6 +137,11 @@ PetscErrorCode UserErrorSaid(void);
    fails: let main call one function and pass its code to ErrorFinish. Not collective. */
 PetscErrorCode UserErrorHandlerPush(void);
 
+/* ErrorsKeep - from 'true' to 'false' errors return their code and print nothing, for a program that asks for the
+   sentence: pushes the error handler, and pops it. ErrorSentence - the sentence of the last error since 'true', on rank
+   0 at least; "" without one. Not collective. */
+PetscErrorCode ErrorsKeep(PetscBool keep);
+const char    *ErrorSentence(void);
 /* UserErrorsMute - stops (true) or resumes (false) the printing of user errors: a trial of the program's own must not
    print any. Not collective. */
 void UserErrorsMute(PetscBool mute);
@@ -210,9 +215,11 @@ PetscErrorCode ProgressPrint(MPI_Comm comm, PetscReal share, const char format[]
 
 /* PrinterStart - makes this program's function print for PETSc. It ends a line of progress before any other text. When
    standard output fails (a closed pipe, a full disk), it says so once on standard error and drops further output.
+   PrinterQuiet - from 'true' to 'false' PETSc's prints go into the journal alone.
    PrinterLost - whether standard output has failed. PrinterBreak - ends a line of progress. Not collective. */
 void      PrinterStart(void);
 void      PrinterBreak(void);
+void      PrinterQuiet(PetscBool quiet);
 PetscBool PrinterLost(void);
 
 /* JournalOpen - opens the journal of a run on rank 0. The file receives what the program has printed since its start,
@@ -230,6 +237,10 @@ int            JournalFile(void);
    an options file, named here, in PETSC_OPTIONS or in .petscrc, that includes itself or is not a regular file.
    Collective. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop);
+/* WordsSplit - the words of a text as a vector of arguments behind the name of a program; words are split at blanks
+   outside quotation marks. Free word[0] with free, then 'word': the texts are one. Returns their number, 0 without
+   memory. Not collective. */
+int WordsSplit(const char text[], char ***word);
 
 /* WordDistance - Damerau-Levenshtein distance of two words (optimal string alignment): the number of letters to insert,
    delete, replace or swap with the next one. Only the first 128 letters of b count. WordsAlike - the distance up to

@@ -195,6 +195,33 @@ PetscErrorCode UserErrorHandlerPush(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ErrorsKeep(PetscBool keep)
+{
+  PetscFunctionBeginUser;
+  Muted = keep;
+  if (keep) {
+    LastError[0]    = 0;
+    UserErrorRaised = PETSC_FALSE;
+    PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
+  } else
+    PetscCall(PetscPopErrorHandler());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void CloseSentence(void)
+{
+  const size_t length = strlen(LastError);
+
+  if (!UserErrorRaised && length && LastError[length - 1] != ')')
+    (void)snprintf(LastError + length, sizeof(LastError) - length, ")");
+}
+
+const char *ErrorSentence(void)
+{
+  CloseSentence();
+  return LastError;
+}
+
 PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first, PetscMPIInt *all)
 {
   const struct timespec nap = {.tv_nsec = NAP * 1000000L};
@@ -223,8 +250,7 @@ int ErrorFinish(PetscErrorCode code)
 {
   PetscMPIInt first = 0, all = 1, rank = 0;
 
-  if (code && !UserErrorRaised && LastError[0])
-    (void)snprintf(LastError + strlen(LastError), sizeof(LastError) - strlen(LastError), ")");
+  if (code) CloseSentence();
   if (code && !LastError[0])
     (void)snprintf(LastError, sizeof(LastError), "PETSc could not start or end (error %d)", (int)code);
   (void)MPI_Comm_rank(Meeting, &rank);

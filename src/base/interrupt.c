@@ -178,6 +178,7 @@ double ProgramSeconds(void)
   struct timespec now;
 
   (void)clock_gettime(CLOCK_MONOTONIC, &now);
+  if (!Start.tv_sec && !Start.tv_nsec) Start = now; /* within another program */
   return (double)(now.tv_sec - Start.tv_sec) + 1e-9 * (double)(now.tv_nsec - Start.tv_nsec);
 }
 
@@ -230,6 +231,7 @@ void InterruptSilence(double seconds)
   sigset_t         own;
   PetscMPIInt      rank = 0;
 
+  if (half == 0 && !Timer.kept) return; /* another program may have a timer of its own */
   (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   Timer.kept = (PetscBool)!rank;
   if (rank) return; /* rank 0 works alone at times, while the others wait */

@@ -15,6 +15,7 @@ static FILE     *journal   = NULL;
 static PetscBool buffering = PETSC_TRUE; /* output is buffered until the journal is open */
 static char     *buffer    = NULL;
 static PetscBool lost      = PETSC_FALSE; /* standard output has failed */
+static PetscBool silent    = PETSC_FALSE; /* PrinterQuiet */
 static PetscBool open_line = PETSC_FALSE; /* the last line is one of progress, which the next one overwrites */
 
 /* Drops a text that does not fit. */
@@ -64,6 +65,10 @@ static void Write(FILE *stream, const char text[])
 {
   PetscBool failed;
 
+  if (silent) {
+    JournalText(text);
+    return;
+  }
   if (text[0] != '\r') PrinterBreak();
   if (stream == stdout) open_line = (PetscBool)(text[0] == '\r' && !strchr(text, '\n'));
   failed = (PetscBool)(fputs(text, stream) < 0 || fflush(stream));
@@ -90,6 +95,16 @@ static PetscErrorCode Print(FILE *stream, const char format[], va_list arguments
   Write(stream, longer ? longer : text);
   free(longer);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void PrinterQuiet(PetscBool quiet)
+{
+  static PetscErrorCode (*before)(FILE *, const char[], va_list) = NULL;
+
+  if (quiet) before = PetscVFPrintf;
+  if (quiet && !journal) buffering = PETSC_TRUE;
+  PetscVFPrintf = quiet ? Print : before;
+  silent        = quiet;
 }
 
 void PrinterStart(void)

@@ -24,9 +24,12 @@ static const char *const StageNames[STAGE_COUNT] = {
 
 PetscErrorCode LogRegister(void)
 {
-  PetscClassId class_id;
+  static PetscBool registered = PETSC_FALSE;
+  PetscClassId     class_id;
 
   PetscFunctionBeginUser;
+  if (registered) PetscFunctionReturn(PETSC_SUCCESS);
+  registered = PETSC_TRUE;
   PetscCall(PetscClassIdRegister("isph", &class_id));
   for (PetscInt e = 0; e < EVENT_COUNT; e++) PetscCall(PetscLogEventRegister(EventNames[e], class_id, &Events[e]));
   for (PetscInt s = 0; s < STAGE_COUNT; s++) PetscCall(PetscLogStageRegister(StageNames[s], &Stages[s]));

@@ -134,6 +134,31 @@ static PetscErrorCode NameFiles(MPI_Comm comm, int *argc, char ***argv)
   return PETSC_SUCCESS;
 }
 
+int WordsSplit(const char text[], char ***word)
+{
+  const size_t length = strlen(text);
+  char        *to     = malloc(length + sizeof("isph") + 1);
+  int          count  = 0;
+  char         quote  = 0;
+
+  *word = malloc((length / 2 + 3) * sizeof(**word));
+  if (!to || !*word) return 0;
+  (*word)[count++] = strcpy(to, "isph");
+  for (to += sizeof("isph"); *(text += quote ? 0 : strspn(text, " \t\r\n"));) {
+    (*word)[count++] = to;
+    for (; *text && (quote || !strchr(" \t\r\n", *text)); text++) {
+      if (quote ? *text == quote : strchr("\"'", *text) != NULL)
+        quote = quote ? 0 : *text;
+      else
+        *to++ = *text;
+    }
+    quote = 0;
+    *to++ = 0;
+  }
+  (*word)[count] = NULL;
+  return count;
+}
+
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop)
 {
   static char help[] = "-help";

@@ -60,8 +60,10 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
 typedef PetscErrorCode (*ColumnVisitor)(void *context, const char file[], const Column *column,
                                         const ColumnWords *words);
 PetscErrorCode OutputEachColumn(Output output, ColumnVisitor visit, void *context);
-/* OutputLine - the line of the series that was written at this step, on rank 0 in the order of OutputEachColumn; NULL:
-   there was none. Not collective. */
+/* OutputMeasure - measures the columns of series.csv now: their number, and the values of the whole scene in the order
+   of OutputEachColumn, borrowed until the next line. Collective. OutputLine - the line of the series that was written
+   at this step, on rank 0 in that order; NULL: there was none. Not collective. */
+PetscErrorCode   OutputMeasure(Output output, const StepState *state, PetscInt *count, const PetscReal **values);
 const PetscReal *OutputLine(Output output, PetscInt step);
 #define OUTPUT_SCENE  "scene.json"
 #define OUTPUT_SERIES "series.csv"

@@ -145,22 +145,32 @@ static void FillColumns(Output output, const SeriesValues *v, PetscReal line[])
   for (PetscInt c = 0; c < OWN; c++) line[c] = GaugesFactor(output->gauges, &own[c]) * part[c];
 }
 
-PetscErrorCode SeriesWrite(Output output, const StepState *state)
+PetscErrorCode OutputMeasure(Output output, const StepState *state, PetscInt *count, const PetscReal **values)
 {
   SeriesValues  v = {.state = state};
   const Column *columns;
-  PetscInt      gauges;
-  int           error = 0;
 
   PetscFunctionBegin;
-  PetscCall(GaugesColumns(output->gauges, &gauges, &columns));
-  if (!output->line) PetscCall(PetscMalloc1(OWN + gauges, &output->line));
+  PetscCall(GaugesColumns(output->gauges, count, &columns));
+  *count += OWN;
+  if (!output->line) PetscCall(PetscMalloc1(*count, &output->line));
   PetscCall(GaugesMeasure(output->gauges, output->line + OWN)); /* first: a crater measures the level */
   PetscCall(GaugesTotals(output->gauges, &v.totals));
   v.wall = OutputWallTime(output);
   FillColumns(output, &v, output->line);
-  if (!output->rank)
-    error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, OWN - KEYS + gauges, output->line + KEYS);
+  *values = output->line;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SeriesWrite(Output output, const StepState *state)
+{
+  const PetscReal *line;
+  PetscInt         count;
+  int              error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(OutputMeasure(output, state, &count, &line));
+  if (!output->rank) error = TableWrite(output->series_file, state, SERIES_DIGITS, 1, count - KEYS, line + KEYS);
   PetscCall(FolderStatus(output, error, "write", OUTPUT_SERIES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,25 +73,34 @@ static PetscErrorCode WriteAlone(Sim sim, FILE *file)
   return WriteScene(sim, PETSC_FALSE, file);
 }
 
-PetscErrorCode SceneFileWrite(Sim sim, const char path[])
+PetscErrorCode SimScene(Sim sim, PetscBool particles, char **text)
 {
   PetscMPIInt rank;
   size_t      length;
-  char       *text = NULL;
+
+  PetscFunctionBegin;
+  *text = NULL;
+  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
+  if (!rank) {
+    FILE *stream = open_memstream(text, &length);
+
+    PetscCheck(stream, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+    PetscCall(WriteScene(sim, particles, stream));
+    PetscCheck(!fclose(stream), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SceneFileWrite(Sim sim, const char path[])
+{
+  char *text;
 
   PetscFunctionBegin;
   if (path) {
     PetscCall(FileWrite(sim, path, "scene file", WriteAlone));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
-  if (!rank) {
-    FILE *stream = open_memstream(&text, &length);
-
-    PetscCheck(stream, PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
-    PetscCall(WriteScene(sim, PETSC_TRUE, stream));
-    PetscCheck(!fclose(stream), PETSC_COMM_SELF, PETSC_ERR_MEM, "cannot keep the text of scene.json");
-  }
+  PetscCall(SimScene(sim, PETSC_TRUE, &text));
   PetscCall(OutputText(sim->output, OUTPUT_SCENE, text));
   free(text);
   PetscFunctionReturn(PETSC_SUCCESS);

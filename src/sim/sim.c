@@ -16,9 +16,19 @@ PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
   PetscCall(PetscNew(sim));
   (*sim)->comm               = comm;
   (*sim)->time_end           = -1;
+  (*sim)->stop               = PETSC_MAX_REAL;
   (*sim)->progress_interval  = 2;
   (*sim)->wall_clock_silence = 600;
   (*sim)->relaxation_damping = 0.5;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimEmbed(Sim sim)
+{
+  PetscFunctionBegin;
+  sim->embedded           = PETSC_TRUE;
+  sim->progress_interval  = 0;
+  sim->wall_clock_silence = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -85,6 +95,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscCall(OptionsRead(PetscOptionsObject, deeds, "SimSetFromOptions", sim));
   PetscOptionsEnd();
   PetscCall(PetscOptionsHasName(NULL, NULL, "-time_end", &sim->has_end));
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-output_dir", &sim->writes));
+  if (!sim->embedded) sim->writes = PETSC_TRUE;
   for (const OptionRow *row = deeds; row->name; row++)
     PetscCheckUser(row->kind != ROW_TEXT || !OptionFind(row->name)->given || ((char *)sim + row->offset)[0], sim->comm,
                    "%s needs the name of the file to write", row->name);
@@ -180,11 +192,13 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   GaugesSetRefresh(sim->gauges, RefreshSums, sim->stepper);
   PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));
-  PetscCheckUser(*stop || sim->has_end || sim->steps_max > 0, comm,
+  PetscCheckUser(*stop || sim->embedded || sim->has_end || sim->steps_max > 0, comm,
                  "neither -time_end (s) nor -steps_max says when the run ends");
   PetscCheckUser(*stop || !sim->has_end || sim->time_end > sim->state.time, comm,
                  "-time_end (%g s) is not after -time_start (%g s)", (double)sim->time_end, (double)sim->state.time);
   if (!sim->has_end) sim->time_end = PETSC_MAX_REAL;
+  PetscCheckUser(sim->writes || !sim->rest.names.count, comm,
+                 "-stop_at_rest looks at the lines of the series: it needs -output_dir");
   PetscCall(RestSetUp(sim));
   PetscCall(DumpOptions(sim));
   if (help) PetscCall(RefusalsHelp(comm));
@@ -236,7 +250,7 @@ PetscErrorCode SimSetUp(Sim sim)
     if (sim->relaxation_time > 0) PetscCall(Relax(sim));
     PetscCall(BudgetStart(sim));
   }
-  if (!sim->dry_run) {
+  if (!sim->dry_run && sim->writes) {
     char path[PETSC_MAX_PATH_LEN];
 
     PetscCall(OutputSetUp(sim->output, restarting ? sim->restart : NULL, &sim->state));
@@ -296,7 +310,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
 
 /* Brings swarm and cloud into the state from which a restart will start, and writes it: this run and a restart then go
    on alike. */
-static PetscErrorCode Checkpoint(Sim sim)
+PetscErrorCode SimCheckpoint(Sim sim)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
@@ -334,17 +348,16 @@ static PetscErrorCode WriteOutput(Sim sim, PetscBool last)
 
 /* Whether the next step may end in a line of the series, which needs the divergence: a pass over the pairs. Steps grow
    by less than the factor LOOK_AHEAD. */
-static PetscBool DivergenceWanted(Sim sim, PetscInt steps)
+static PetscBool DivergenceWanted(Sim sim)
 {
   const PetscReal soon = sim->state.time + LOOK_AHEAD * sim->state.previous_time_step;
 
-  return (PetscBool)(sim->state.previous_time_step == 0 || soon >= sim->time_end || steps + 1 == sim->steps_max ||
-                     OutputSeriesDue(sim->output, soon));
+  return (PetscBool)(sim->state.previous_time_step == 0 || soon >= PetscMin(sim->time_end, sim->stop) ||
+                     sim->steps + 1 == sim->steps_max || OutputSeriesDue(sim->output, soon));
 }
 
-/* interrupted: what ended the run, or NULL. The message goes to standard error if nobody reads standard output any
-   more. */
-static PetscErrorCode SayHowToContinue(Sim sim, const char *interrupted)
+/* The message goes to standard error if nobody reads standard output any more. */
+static PetscErrorCode SayHowToContinue(Sim sim)
 {
   const char *folder = OutputFolder(sim->output);
   FILE       *stream = PrinterLost() ? stderr : PETSC_STDOUT;
@@ -352,60 +365,135 @@ static PetscErrorCode SayHowToContinue(Sim sim, const char *interrupted)
 
   PetscFunctionBegin;
   OutputCheckpointName(sim->state.step, checkpoint);
-  if (interrupted)
-    PetscCall(PetscFPrintf(sim->comm, stream, "ended by %s at %g s\n", interrupted, (double)sim->state.time));
-  PetscCall(PetscFPrintf(sim->comm, stream, "Results are in %s; continue with%s -restart %s/%s\n", folder,
-                         interrupted ? "" : " a later -time_end and", folder, checkpoint));
+  if (sim->interrupted)
+    PetscCall(PetscFPrintf(sim->comm, stream, "ended by %s at %g s\n", sim->interrupted, (double)sim->state.time));
+  if (sim->writes)
+    PetscCall(PetscFPrintf(sim->comm, stream, "Results are in %s; continue with%s -restart %s/%s\n", folder,
+                           sim->interrupted ? "" : " a later -time_end and", folder, checkpoint));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SimRun(Sim sim)
+/* Of an embedded run without a folder gauges measure the first state, too: it is the level of a crater. */
+static PetscErrorCode Begin(Sim sim)
 {
-  Progress    progress    = {0};
-  PetscBool   last        = PETSC_FALSE;
-  PetscInt    steps       = 0;
-  const char *interrupted = NULL;
+  const PetscReal *values;
+  PetscInt         count;
 
   PetscFunctionBegin;
-  PetscCall(ProgressStart(sim, &progress));
-  if (!sim->restart[0]) PetscCall(WriteOutput(sim, PETSC_FALSE));
-  PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
-  while (!last) {
-    PetscBool failed, clock;
-    char      why[FAREWELL_LENGTH];
+  if (sim->begun) PetscFunctionReturn(PETSC_SUCCESS);
+  sim->begun = PETSC_TRUE;
+  PetscCall(ProgressStart(sim, &sim->progress));
+  if (sim->restart[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (sim->writes)
+    PetscCall(WriteOutput(sim, PETSC_FALSE));
+  else
+    PetscCall(OutputMeasure(sim->output, &sim->state, &count, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    InterruptAlive("a step");
-    PetscCall(StepperAdvance(sim->stepper, sim->time_end, DivergenceWanted(sim, steps), &sim->state, &failed, why,
-                             sizeof(why)));
-    if (failed) {
-      PetscCall(Checkpoint(sim));
-      PetscCheckUser(PETSC_FALSE, sim->comm,
-                     "stopped at %g s, step %" PetscInt_FMT ": %s; the last good state is the newest checkpoint in %s",
-                     (double)sim->state.time, sim->state.step, why, OutputFolder(sim->output));
-    }
-    PetscCall(SimEmit(sim));
-    clock = OutputClockDue(sim->output);
-    PetscCall(InterruptCheck(sim->comm, &clock, &interrupted));
-    last = (PetscBool)(sim->state.time >= sim->time_end || ++steps == sim->steps_max || interrupted);
+/* Writes what is due after a step. clock: a checkpoint is due by the clock. */
+static PetscErrorCode WriteStep(Sim sim, PetscBool clock)
+{
+  PetscBool last = SimEnded(sim);
+
+  PetscFunctionBegin;
+  if (sim->writes) {
     PetscCall(WriteOutput(sim, last));
-    if (!last) PetscCall(RestCheck(sim, &last));
+    if (!last) PetscCall(RestCheck(sim, &sim->rests));
+    last = SimEnded(sim);
     PetscCall(WriteOutput(sim, last));
     if (last || OutputCheckpointDue(sim->output, &sim->state))
-      PetscCall(Checkpoint(sim));
+      PetscCall(SimCheckpoint(sim));
     else if (clock)
       PetscCall(OutputByClock(sim->output, &sim->state));
-    PetscCall(ProgressStep(sim, &progress, last));
-    PetscCall(MonitorStep(sim));
   }
-  PetscCall(SayHowToContinue(sim, interrupted));
+  PetscCall(ProgressStep(sim, &sim->progress, last));
+  PetscCall(MonitorStep(sim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The time (s) at which the run ends. */
+static PetscReal End(Sim sim)
+{
+  return PetscMin(sim->time_end, sim->stop);
+}
+
+void SimSetEnd(Sim sim, PetscReal end)
+{
+  sim->stop = end;
+}
+
+PetscBool SimEnded(Sim sim)
+{
+  return (PetscBool)(sim->state.time >= End(sim) || (sim->steps_max > 0 && sim->steps >= sim->steps_max) ||
+                     sim->interrupted || sim->rests);
+}
+
+PetscErrorCode SimStep(Sim sim, PetscReal end)
+{
+  PetscBool failed, clock;
+  char      why[FAREWELL_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(Begin(sim));
+  PetscCall(PetscLogStagePush(LogStage(STAGE_STEPS)));
+  InterruptAlive("a step");
+  PetscCall(StepperAdvance(sim->stepper, PetscMin(end, End(sim)), DivergenceWanted(sim), &sim->state, &failed, why,
+                           sizeof(why)));
+  if (failed && sim->writes) PetscCall(SimCheckpoint(sim));
+  PetscCheckUser(!failed, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s%s%s", (double)sim->state.time,
+                 sim->state.step, why, sim->writes ? "; the last good state is the newest checkpoint in " : "",
+                 sim->writes ? OutputFolder(sim->output) : "");
+  PetscCall(SimEmit(sim));
+  sim->steps++;
+  clock = (PetscBool)(sim->writes && OutputClockDue(sim->output));
+  PetscCall(InterruptCheck(sim->comm, &clock, &sim->interrupted));
+  PetscCall(WriteStep(sim, clock));
   PetscCall(PetscLogStagePop());
-  if (SpectrumWanted(sim->spectrum) && !interrupted) {
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SimFinish(Sim sim)
+{
+  PetscFunctionBegin;
+  PetscCall(SayHowToContinue(sim));
+  if (SpectrumWanted(sim->spectrum) && !sim->interrupted) {
     SpectrumStep step = {.iterations = sim->state.iterations, .viscosity = StepperViscosity(sim->stepper)};
 
     PetscCall(StepperPredict(sim->stepper, &sim->state, &step.dt));
     PetscCall(SpectrumRun(sim->spectrum, &step));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool SimWrites(Sim sim)
+{
+  return sim->writes;
+}
+
+const char *SimUnit(Sim sim, const char unit[])
+{
+  return DomainUnit(sim->domain, unit);
+}
+
+MPI_Comm SimComm(Sim sim)
+{
+  return sim->comm;
+}
+
+const StepState *SimState(Sim sim)
+{
+  return &sim->state;
+}
+
+Particles SimParticles(Sim sim)
+{
+  return sim->particles;
+}
+
+Output SimOutput(Sim sim)
+{
+  return sim->output;
 }
 
 PetscErrorCode SimDestroy(Sim *sim)

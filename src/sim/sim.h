@@ -9,8 +9,10 @@
 
 typedef struct _p_Sim *Sim;
 
-/* SimCreate - an empty program. Collective. */
+/* SimCreate - an empty program. SimEmbed - it is a part of another program: it has no timer and prints no lines of
+   progress unless options ask for them, it needs no end, and without -output_dir it writes no files. Collective. */
 PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim);
+PetscErrorCode SimEmbed(Sim sim);
 /* SimSetFromOptions - makes all parts of the program from their options, and reads -time_start, -time_end (s), -restart
    (file), -progress_interval (s of wall clock). Refuses (UserError) bad input. -help prints all options, -dump_options
    writes them into a file; both set *stop. Collective. */
@@ -19,9 +21,27 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop);
    that nothing has read. Collective. */
 PetscErrorCode SimSetUp(Sim sim);
 PetscErrorCode SimView(Sim sim, PetscViewer viewer);
-/* SimRun - steps to -time_end. A step that fails in spite of smaller steps ends the run with a checkpoint of the last
-   good state and a UserError. Collective. */
-PetscErrorCode SimRun(Sim sim);
+/* SimStep - a step, at most to the time 'end' (s), and what the run writes after it. A step that fails in spite of
+   smaller steps ends the run with a checkpoint of the last good state and a UserError. SimEnded - whether the run is at
+   its end, whose step writes the last state. SimFinish - says where the results are, and computes the spectrum.
+   SimSetEnd - the run ends at this time (s), too. SimStep and SimFinish are collective. */
+PetscErrorCode SimStep(Sim sim, PetscReal end);
+PetscBool      SimEnded(Sim sim);
+PetscErrorCode SimFinish(Sim sim);
+void           SimSetEnd(Sim sim, PetscReal end);
+/* SimCheckpoint - writes a checkpoint of the state. Collective. */
+PetscErrorCode SimCheckpoint(Sim sim);
+/* SimScene - scene.json as a text on rank 0, NULL elsewhere; to be freed with free. particles: SimSetUp has been
+   called. Collective. */
+PetscErrorCode SimScene(Sim sim, PetscBool particles, char **text);
+/* SimState, SimParticles, SimOutput - borrowed. SimWrites - whether the run writes into a folder. SimUnit - a unit in
+   the scene's dimensions: DomainUnit. Not collective. */
+PetscBool        SimWrites(Sim sim);
+const char      *SimUnit(Sim sim, const char unit[]);
+MPI_Comm         SimComm(Sim sim);
+const StepState *SimState(Sim sim);
+Particles        SimParticles(Sim sim);
+Output           SimOutput(Sim sim);
 /* SimIsDry - whether -dry_run was given: then call SimDryRun in place of SimRun. Not collective. */
 PetscBool SimIsDry(Sim sim);
 /* SimDryRun - prints what the run would need: particles, memory, the bounds of the time step, time (from a few trial

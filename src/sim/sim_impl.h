@@ -17,6 +17,14 @@ typedef struct {
   PetscInt   lines, capacity, next; /* next: so many lines are judged next */
 } RestWatch;
 
+/* The progress line. */
+typedef struct {
+  double    started; /* s, on the program's clock */
+  PetscReal start_time;
+  PetscInt  start_step, iterations;
+  PetscBool underresolved; /* the line on underresolved liquid was printed */
+} Progress;
+
 struct _p_Sim {
   MPI_Comm      comm;
   Domain        domain;
@@ -33,9 +41,14 @@ struct _p_Sim {
   Output        output;
   StepState     state;
   PackingReport report;
+  PetscReal     stop; /* s: SimSetEnd */
   PetscReal     time_end, progress_interval, wall_clock_limit, wall_clock_silence, relaxation_time, relaxation_damping,
     relaxation_step, relaxation_speed;
   PetscInt    steps_max, ranks; /* ranks: 0: mpiexec was started by the user */
+  Progress    progress;
+  PetscBool   embedded, writes, begun, rests; /* writes: into a run folder; rests: -stop_at_rest ends the run */
+  PetscInt    steps;                          /* of this start of the program */
+  const char *interrupted;                    /* what ends the run early; NULL: nothing has */
   PetscBool   has_end, dry_run, model;
   PetscViewer monitor; /* NULL: none */
   PetscInt    monitor_lines;
@@ -45,14 +58,6 @@ struct _p_Sim {
   char        scene_json[PETSC_MAX_PATH_LEN];
   char        restart[PETSC_MAX_PATH_LEN];
 };
-
-/* The progress line. */
-typedef struct {
-  double    started; /* s, on the program's clock */
-  PetscReal start_time;
-  PetscInt  start_step, iterations;
-  PetscBool underresolved; /* the line on underresolved liquid was printed */
-} Progress;
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.

@@ -76,7 +76,7 @@ for target, given, due in TARGETS:
 
 # a prefix with an apostrophe and blanks: the programs that are installed there find each other
 prefix = runs.scratch("a user's prefix")
-done = subprocess.run(["make", "-s", "-o", "isph", "install", f"PREFIX={prefix}"], cwd=runs.ROOT, text=True,
+done = subprocess.run(["make", "-s", "-o", "isph", "-o", "output/build/lib/libisph.so", "install", f"PREFIX={prefix}"], cwd=runs.ROOT, text=True,
                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False)
 helped = subprocess.run([os.path.join(prefix, "bin", "isph-pictures"), "--help"], text=True, stdout=subprocess.PIPE,
                         stderr=subprocess.STDOUT, timeout=60, check=False) if done.returncode == 0 else done
