@@ -342,6 +342,7 @@ int IsphScene(Isph run, const char **json)
 static PetscErrorCode Destroy(Isph run)
 {
   PetscFunctionBeginUser;
+  InterruptStopFile("");
   PetscCall(SimDestroy(&run->sim));
   PetscCall(PetscFree(run->name));
   PetscCall(PetscFree(run->plain));

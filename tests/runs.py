@@ -100,6 +100,13 @@ def run(options, folder, ranks=1, timeout=300):
     return path
 
 
+def install(prefix):
+    """`make install` of what is built, whatever its flags; the finished process with its text."""
+    built = [word for name in ("isph", "output/build/lib/libisph.so") for word in ("-o", name)]
+    return subprocess.run(["make", "-s", *built, "install", f"PREFIX={prefix}"], cwd=ROOT, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+
+
 def numbered(folder, kind):
     """Files <kind>_<number>.h5 of a run, in order."""
     names = sorted(n for n in os.listdir(folder) if n.startswith(kind + "_") and n.endswith(".h5"))

@@ -283,8 +283,7 @@ def installed():
                               stderr=subprocess.STDOUT, text=True, check=False)
         runs.check(done.stdout.startswith("usage:"), f"help_{os.path.basename(driver)}", done.stdout[:200])
 
-    done = subprocess.run(["make", "-s", "-o", "isph", "-o", "output/build/lib/libisph.so", "install", f"PREFIX={prefix}"], cwd=runs.ROOT,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, check=False)
+    done = runs.install(prefix)
     if runs.check(done.returncode == 0, "install", done.stdout[-300:]):
         case = os.path.join(prefix, "share/isph/cases/drop_collision/case.opts")
         for command in ([os.path.join(prefix, "bin/isph"), "-options_file", case, "-steps_max", "2",

@@ -20,8 +20,8 @@ TO_ROUNDING = 1e-11  # of twelve digits
 TO_SOLVER = 1e-4     # on another number of ranks
 
 place = runs.scratch("opt")
-done = subprocess.run(["make", "-s", "-o", "isph", "-o", "output/build/lib/libisph.so", "install", f"PREFIX={place}"], cwd=runs.ROOT, capture_output=True, text=True)
-runs.check(done.returncode == 0, "make install", done.stderr[-400:])
+done = runs.install(place)
+runs.check(done.returncode == 0, "make install", done.stdout[-400:])
 words = subprocess.run(["pkg-config", "--cflags", "--libs", "isph"], capture_output=True, text=True,
                        env=dict(os.environ, PKG_CONFIG_PATH=os.path.join(place, "lib", "pkgconfig")))
 runs.check(words.returncode == 0, "pkg-config knows the installed library", words.stderr)

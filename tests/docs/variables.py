@@ -76,8 +76,7 @@ for target, given, due in TARGETS:
 
 # a prefix with an apostrophe and blanks: the programs that are installed there find each other
 prefix = runs.scratch("a user's prefix")
-done = subprocess.run(["make", "-s", "-o", "isph", "-o", "output/build/lib/libisph.so", "install", f"PREFIX={prefix}"], cwd=runs.ROOT, text=True,
-                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False)
+done = runs.install(prefix)
 helped = subprocess.run([os.path.join(prefix, "bin", "isph-pictures"), "--help"], text=True, stdout=subprocess.PIPE,
                         stderr=subprocess.STDOUT, timeout=60, check=False) if done.returncode == 0 else done
 runs.check(helped.returncode == 0 and "--color" in helped.stdout, "install PREFIX", helped.stdout[-300:])
