@@ -175,6 +175,9 @@ void InterruptBlock(void);
 void InterruptWatch(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
+/* ProcessorsCrowded - whether this host's ranks, of several, and the programs that ran before the start are more than
+   its processors. *load: those programs, a mean of a minute. Not collective. */
+PetscBool ProcessorsCrowded(double *load, int *processors);
 /* RanksLaunch - with -ranks N, N > 1, on the command line runs the program by mpiexec on N processes, to which it
    passes on the signals that end a run, and returns the exit code; otherwise, and in a process of mpiexec, -1. Call it
    after ProgramStart, before MPI_Init. Not collective. */

@@ -1,6 +1,7 @@
 /* Ends a run cleanly: a handler records the signals that would end the program, and the run checks for them and for
    -wall_clock_limit between steps and during long work. The limit counts from the start of the program. A run that
    gives no sign of life is ended by a timer, -wall_clock_silence. */
+#define _DEFAULT_SOURCE 1 /* getloadavg */
 #include "base.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -26,6 +27,9 @@ static const struct {
 #define LARGE_ARRAY (1 << 23) /* bytes; the step's work arrays of small scenes stay on the heap, which is faster */
 #define LOOK        1.0       /* s between two looks for the stop file */
 
+#define CROWDED 0.5 /* programs more than processors */
+
+static double                Load      = 0; /* mean number of running programs in the minute before the start */
 static volatile sig_atomic_t Signalled = 0; /* 1 + index in Watched of the first signal; 0: none */
 static PetscBool             Ignored[WATCHED];
 static struct timespec       Start;
@@ -137,13 +141,25 @@ void InterruptBlock(void)
   (void)sigprocmask(SIG_BLOCK, &all, NULL);
 }
 
-/* More ranks than processors on this host: a rank that waits must leave its processor to another one, else a step takes
-   a hundred times as long. mpiexec sees to it only where its own count of places is exceeded. */
+/* Ranks and other programs want more processors than this host has: a rank that waits must leave its processor to
+   another one, else a step takes ten or a hundred times as long. mpiexec sees to it only where its own count of places
+   is exceeded. */
 static void ShareProcessors(void)
 {
   const char *const ranks = getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
 
-  if (ranks && atol(ranks) > sysconf(_SC_NPROCESSORS_ONLN)) (void)setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+  (void)getloadavg(&Load, 1);
+  if (ranks && (double)atol(ranks) + Load > (double)sysconf(_SC_NPROCESSORS_ONLN) + CROWDED)
+    (void)setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+}
+
+PetscBool ProcessorsCrowded(double *load, int *processors)
+{
+  const char *const ranks = getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+
+  *load       = Load;
+  *processors = (int)sysconf(_SC_NPROCESSORS_ONLN);
+  return (PetscBool)(ranks && atol(ranks) > 1 && (double)atol(ranks) + Load > *processors + CROWDED);
 }
 
 /* SuperLU_DIST, which PETSc loads, has told malloc to keep all on one heap that never shrinks, where an array that

@@ -140,12 +140,13 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
 
 PetscBool OptionsAll(void)
 {
-  PetscBool help = PETSC_FALSE, dump = PETSC_FALSE, list = PETSC_FALSE;
+  PetscBool help = PETSC_FALSE, dump = PETSC_FALSE, list = PETSC_FALSE, word = PETSC_FALSE;
 
   (void)PetscOptionsHasHelp(NULL, &help);
   (void)PetscOptionsHasName(NULL, NULL, DUMP_OPTION, &dump);
   (void)PetscOptionsHasName(NULL, NULL, LIST_OPTION, &list);
-  return (PetscBool)(list || (help && !dump));
+  (void)PetscOptionsHasName(NULL, NULL, HELP_OPTION, &word);
+  return (PetscBool)(list || word || (help && !dump));
 }
 
 static PetscErrorCode Words(const OptionRow *row, char list[NAMES_LENGTH])

@@ -112,11 +112,12 @@ const OptionNote *OptionsNoted(PetscInt *count);
 const OptionNote *OptionFind(const char name[]);
 PetscErrorCode    OptionsForget(void);
 
-/* OptionsAll - whether the options of all types are wanted, chosen by the scene or not: -help without -dump_options, or
-   -options_json. Not collective. */
+/* OptionsAll - whether the options of all types are wanted, chosen by the scene or not: -help without -dump_options, a
+   word of help, or -options_json. Not collective. */
 #define DUMP_OPTION  "-dump_options"
 #define LIST_OPTION  "-options_json"
 #define SCENE_OPTION "-scene_json"
+#define HELP_OPTION  "-help_on"
 PetscBool OptionsAll(void);
 
 #endif

@@ -161,8 +161,8 @@ int WordsSplit(const char text[], char ***word)
 
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop)
 {
-  static char help[] = "-help";
-  int         rank, bad = 0;
+  static char help[] = "-help", help_on[] = HELP_OPTION;
+  int         rank, bad                   = 0;
 
   *stop = PETSC_FALSE;
   (void)MPI_Comm_rank(comm, &rank);
@@ -170,7 +170,8 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
   for (int k = 1; k < *argc; k++) {
     char *word = (*argv)[k];
 
-    if (!strcmp(word, "-h") || !strcmp(word, "--help")) (*argv)[k] = help;
+    if (!strcmp(word, "-h") || !strcmp(word, "--help") || !strcmp(word, "-help"))
+      (*argv)[k] = k + 1 < *argc && (*argv)[k + 1][0] != '-' && strcmp((*argv)[k + 1], "intro") ? help_on : help;
     if (!strcmp(word, "--version") || !strcmp(word, "-version")) *stop = PETSC_TRUE;
     if (word[0] != '-' && (*argv)[k - 1][0] != '-')
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);

@@ -74,13 +74,21 @@ static void Become(char *words[])
   _exit(2);
 }
 
-/* The number behind the last -ranks, as it was given; NULL: not one that needs mpiexec. */
+/* Moves -ranks and its number to the end of the command line, since options files come first; the number as it was
+   given, NULL: not one that needs mpiexec. */
 static char *Wanted(int argc, char *argv[])
 {
   char *number = NULL, *end;
 
-  for (int k = 1; k + 1 < argc; k++)
-    if (!strcmp(argv[k], RANKS_OPTION)) number = argv[k + 1];
+  for (int k = argc - 2; k > 0 && !number; k--) {
+    char *option = argv[k];
+
+    if (strcmp(option, RANKS_OPTION)) continue;
+    number = argv[k + 1];
+    memmove(argv + k, argv + k + 2, (size_t)(argc - k - 2) * sizeof(*argv));
+    argv[argc - 2] = option;
+    argv[argc - 1] = number;
+  }
   return number && strtol(number, &end, 10) > 1 && !*end ? number : NULL;
 }
 

@@ -2,10 +2,11 @@
    of triangles that a ray crosses gives the sign. */
 #include "stl.h"
 
-#define FARTHEST  1e6  /* sizes of the box: the rounding of 32-bit numbers there is as large as the box */
-#define BAND      4    /* spacings from the surface within which the distance is exact; its constant size beyond */
-#define TILT      1e-4 /* cells by which rays pass the nodes, so that they miss edges and corners at nodes */
-#define MAX_NODES 2e8  /* of the table: 0.8 GB */
+#define MUCH_LARGER 30   /* times the box: a part of such a size in mm is at most a thirtieth of it in m */
+#define FARTHEST    1e6  /* sizes of the box: the rounding of 32-bit numbers there is as large as the box */
+#define BAND        4    /* spacings from the surface within which the distance is exact; its constant size beyond */
+#define TILT        1e-4 /* cells by which rays pass the nodes, so that they miss edges and corners at nodes */
+#define MAX_NODES   2e8  /* of the table: 0.8 GB */
 
 /* Changes the sign of the nodes behind a triangle along x. After all triangles the sign of a node is the parity of the
    crossings. */
@@ -89,6 +90,27 @@ static void StlDefaults(void *owner)
   ((Stl *)body->shape_data)->scale = 1;
 }
 
+/* Says that a surface much larger than the box may be in millimetres. */
+static PetscErrorCode DoubtScale(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
+{
+  const Domain domain = body->domain;
+  const Stl   *stl    = (const Stl *)body->shape_data;
+  PetscReal    size = 0, box = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    size = PetscMax(size, upper[d] - lower[d]);
+    box  = PetscMax(box, domain->upper[d] - domain->lower[d]);
+  }
+  if (stl->scale == 1 && size > MUCH_LARGER * box)
+    PetscCall(
+      PetscPrintf(domain->comm,
+                  "warning: the surface in %s is %.3g m long, %.0f times the box: if its lengths are in mm, give "
+                  "-%sscale 1e-3\n",
+                  stl->file.path, (double)size, (double)(size / box), body->prefix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode StlSetUp(void *owner)
 {
   Body            body   = (Body)owner;
@@ -124,6 +146,7 @@ static PetscErrorCode StlSetUp(void *owner)
     lower[d] = PetscMin(lower[d], corner[k]);
     upper[d] = PetscMax(upper[d], corner[k]);
   }
+  PetscCall(DoubtScale(body, lower, upper));
   for (PetscInt d = 0; d < domain->dim; d++)
     PetscCheckUser(lower[d] < domain->upper[d] && upper[d] > domain->lower[d], domain->comm,
                    "the body %s is wholly outside the box: the surface in %s reaches from %g to %g m along %c",

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /* An option as two lines: what it means, and its value, behind a # if it is the default. The default of a list of
    numbers is left out: how many are allowed depends on the dimension. */
@@ -70,6 +71,43 @@ static PetscErrorCode WriteList(Sim sim, FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a text has a word in it, in any case. */
+static PetscBool Mentions(const char text[], const char word[])
+{
+  for (; text && *text; text++)
+    if (!strncasecmp(text, word, strlen(word))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* -help WORD: the options that have it in name, meaning, group or choice. */
+static PetscErrorCode PrintHelpOn(Sim sim)
+{
+  PetscInt          n;
+  const OptionNote *note  = OptionsNoted(&n);
+  const char       *title = "";
+  PetscBool         any   = PETSC_FALSE;
+  char              help[NAMES_LENGTH];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) {
+    const OptionRow *row = &note[k].row;
+
+    if (note[k].owner[0] && note[k].owner[0] != '<') continue; /* a body's: shown once, as any body's */
+    PetscCall(OptionHelp(row, help));
+    if (!Mentions(note[k].name, sim->word) && !Mentions(help, sim->word) && !Mentions(note[k].title, sim->word) &&
+        !Mentions(note[k].choice, sim->word))
+      continue;
+    if (strcmp(note[k].title, title)) PetscCall(PetscPrintf(sim->comm, "%s%s:\n", any ? "\n" : "", note[k].title));
+    title = note[k].title;
+    any   = PETSC_TRUE;
+    PetscCall(PetscPrintf(sim->comm, "  %s%s%s: %s%s%s%s\n", note[k].name, note[k].value[0] ? " " : "", note[k].value,
+                          help, note[k].choice[0] ? " (" : "", note[k].choice, note[k].choice[0] ? ")" : ""));
+  }
+  PetscCheckUser(any, sim->comm, "-help %s: no option has that in its name or meaning; -help alone lists all",
+                 sim->word);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode FileWrite(Sim sim, const char path[], const char what[], FileWriter write)
 {
   PetscMPIInt rank;
@@ -95,5 +133,6 @@ PetscErrorCode DumpOptions(Sim sim)
   PetscCall(FileWrite(sim, sim->dump, "options file", WriteDump));
   if (sim->dump[0]) PetscCall(PetscPrintf(sim->comm, "all options of this scene are in %s\n", sim->dump));
   PetscCall(FileWrite(sim, sim->list, "list of options", WriteList));
+  if (sim->word[0]) PetscCall(PrintHelpOn(sim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,4 +1,5 @@
 #include "sim_impl.h"
+#include <stdio.h>
 #include <unistd.h>
 
 #define DOUBT_LENGTH 512 /* bytes of a sentence */
@@ -23,29 +24,43 @@ static PetscReal Done(Sim sim, const Progress *progress)
   return sim->steps_max ? (PetscReal)steps / sim->steps_max : 0;
 }
 
+const char *TimeText(Sim sim, PetscReal time, char text[TIME_LENGTH])
+{
+  static const char *const units[] = {"s", "ms", "us", "ns"};
+  const PetscReal          end     = sim->time_end < PETSC_MAX_REAL ? PetscAbsReal(sim->time_end) : 1e-3;
+  PetscReal                factor  = 1;
+  size_t                   k       = 0;
+
+  for (; k + 1 < PETSC_STATIC_ARRAY_LENGTH(units) && end * factor < 1; k++) factor *= 1e3;
+  (void)snprintf(text, TIME_LENGTH, "%8.3f %s", (double)(time * factor), units[k]);
+  return text;
+}
+
 /* Says once that a sheet or thread of viscous liquid is underresolved: it tears too early. */
 static PetscErrorCode SayUnderresolved(Sim sim, Progress *progress)
 {
+  char now[TIME_LENGTH];
+
   PetscFunctionBegin;
   if (progress->underresolved || StepperUnderresolved(sim->stepper) == 0) PetscFunctionReturn(PETSC_SUCCESS);
   progress->underresolved = PETSC_TRUE;
   PetscCall(PetscPrintf(sim->comm,
-                        "%st = %8.3f ms: a sheet or thread of viscous liquid is only one particle thick and tears too "
+                        "%st = %s: a sheet or thread of viscous liquid is only one particle thick and tears too "
                         "early there; reduce -spacing\n",
-                        isatty(STDOUT_FILENO) ? "\n" : "", (double)sim->state.time * 1e3));
+                        isatty(STDOUT_FILENO) ? "\n" : "", TimeText(sim, sim->state.time, now)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Says what an edge of the step finds doubtful about it. */
 static PetscErrorCode SayDoubt(Sim sim)
 {
-  char text[DOUBT_LENGTH];
+  char text[DOUBT_LENGTH], now[TIME_LENGTH];
 
   PetscFunctionBegin;
   PetscCall(StepperDoubt(sim->stepper, text, sizeof(text)));
   if (text[0])
-    PetscCall(PetscPrintf(sim->comm, "%st = %8.3f ms: %s\n", isatty(STDOUT_FILENO) ? "\n" : "",
-                          (double)sim->state.time * 1e3, text));
+    PetscCall(PetscPrintf(sim->comm, "%st = %s: %s\n", isatty(STDOUT_FILENO) ? "\n" : "",
+                          TimeText(sim, sim->state.time, now), text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,7 +70,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   const PetscInt   steps   = state->step - progress->start_step;
   const double     seconds = ProgramSeconds() - progress->started;
   PetscBool        due;
-  char             text[64];
+  char             text[64], now[TIME_LENGTH];
 
   PetscFunctionBegin;
   progress->iterations += state->iterations;
@@ -64,9 +79,8 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
   PetscCall(ProgressDue(sim->comm, last, &due));
   if (due)
     PetscCall(ProgressPrint(sim->comm, Done(sim, progress),
-                            "t = %8.3f ms  step %6" PetscInt_FMT "  dt = %8.3g s  its %3" PetscInt_FMT
-                            "  density error %.1e",
-                            (double)state->time * 1e3, state->step, (double)state->time_step, state->iterations,
+                            "t = %s  step %6" PetscInt_FMT "  dt = %8.3g s  its %3" PetscInt_FMT "  density error %.1e",
+                            TimeText(sim, state->time, now), state->step, (double)state->time_step, state->iterations,
                             (double)state->density_error));
   if (last) {
     PetscInt n;

@@ -102,7 +102,7 @@ PetscErrorCode Relax(Sim sim)
   StepState      state = {0};
   ParticleArrays arrays;
   PetscBool      failed, found;
-  char           why[WHY_LENGTH], *how;
+  char           why[WHY_LENGTH], now[TIME_LENGTH], *how;
 
   PetscFunctionBegin;
   PetscCall(DescribeRelaxation(sim->scene, &how));
@@ -117,7 +117,7 @@ PetscErrorCode Relax(Sim sim)
     ProgressBegin("the relaxation of the packing", "no step of the run was computed");
     while (state.time < sim->relaxation_time && speed > sim->relaxation_speed) {
       PetscCall(ProgressWork(sim->comm, state.time / sim->relaxation_time,
-                             "t = %8.3f ms  step %6" PetscInt_FMT "  dt = %8.3g s", (double)state.time * 1e3,
+                             "t = %s  step %6" PetscInt_FMT "  dt = %8.3g s", TimeText(sim, state.time, now),
                              state.step, (double)state.time_step));
       PetscCall(StepperAdvance(sim->stepper, sim->relaxation_time, PETSC_FALSE, &state, &failed, why, sizeof(why)));
       PetscCheckUser(!failed, sim->comm, "the relaxation of the packing failed after %" PetscInt_FMT " steps: %s",

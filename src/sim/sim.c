@@ -1,10 +1,13 @@
 #include "../emitters/emitters.h"
 #include "sim_impl.h"
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #define UNEVEN 0.01 /* standard deviation of the density over the rest density; an optimised packing has 1e-4 */
 
+#define FEW                                                                                                            \
+  500 /* particles a process: their sums take 0.8 ms a step, its messages 0.3 to 0.8 (tests/bench/README.md) */
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
 #define JOURNAL_FILE    "log.txt"
@@ -78,6 +81,10 @@ static const OptionRow deeds[] = {
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, scene_json)},
   {DUMP_OPTION, "Write a commented options file of the scene with all options", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, dump)},
+  {HELP_OPTION,
+   "Print the options that have a word in their name, meaning or group, with or without a scene; -help WORD is the "
+   "same",
+   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, word)},
   {LIST_OPTION, "Write a list of all options, with or without a scene", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, list)},
   {.name = NULL},
@@ -99,7 +106,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   if (!sim->embedded) sim->writes = PETSC_TRUE;
   for (const OptionRow *row = deeds; row->name; row++)
     PetscCheckUser(row->kind != ROW_TEXT || !OptionFind(row->name)->given || ((char *)sim + row->offset)[0], sim->comm,
-                   "%s needs the name of the file to write", row->name);
+                   "%s needs %s", row->name,
+                   strcmp(row->name, HELP_OPTION) ? "the name of the file to write" : "a word to look for");
   PetscCallMPI(MPI_Comm_size(sim->comm, &size));
   PetscCheckUser(!sim->ranks || sim->ranks == size, sim->comm,
                  RANKS_OPTION " %" PetscInt_FMT
@@ -158,7 +166,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(PetscOptionsHasHelp(NULL, &help));
   PetscCall(CheckScene(sim));
   PetscCall(ReadOwnOptions(sim));
-  *stop = (PetscBool)(help || sim->dump[0] || sim->list[0]);
+  *stop = (PetscBool)(help || sim->dump[0] || sim->list[0] || sim->word[0]);
   PetscCall(DomainCreate(comm, &sim->domain));
   PetscCall(DomainSetFromOptions(sim->domain));
   PetscCall(RefuseCombinations(sim));
@@ -264,14 +272,31 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Says how a run in a terminal is ended: before the signal, since mpiexec leaves no time after it. */
-static PetscErrorCode ViewEnd(Sim sim, PetscViewer viewer)
+/* Says what several processes mean: whether they pay, and in a terminal how the run is ended: before the signal, since
+   mpiexec leaves no time after it. */
+static PetscErrorCode ViewRanks(Sim sim, PetscViewer viewer)
 {
   PetscMPIInt size;
+  PetscInt    n;
+  double      load;
+  int         processors;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(sim->comm, &size));
-  if (size > 1 && !sim->ranks && !sim->dry_run && isatty(STDOUT_FILENO))
+  if (size == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ParticlesGlobalSize(sim->particles, &n));
+  if (n < FEW * size)
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "Processes: %d, of %" PetscInt_FMT " particles each: below %d the messages of a "
+                                     "step take as long as its sums; fewer processes are as fast\n",
+                                     size, n / size, FEW));
+  if (ProcessorsCrowded(&load, &processors))
+    PetscCall(
+      PetscViewerASCIIPrintf(viewer,
+                             "Processes: %d, besides %.1f programs that ran before, on %d processor%s: they wait "
+                             "for each other, and one may be faster\n",
+                             size, load, processors, processors == 1 ? "" : "s"));
+  if (!sim->ranks && !sim->dry_run && isatty(STDOUT_FILENO))
     PetscCall(PetscViewerASCIIPrintf(viewer,
                                      "To end with a checkpoint: touch %s/" STOP_FILE
                                      "; after Ctrl-C mpiexec kills the run in two seconds, which ./isph " RANKS_OPTION
@@ -304,7 +329,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
   PetscCall(EmittersView(sim, viewer));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
-  PetscCall(ViewEnd(sim, viewer));
+  PetscCall(ViewRanks(sim, viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -56,10 +56,15 @@ struct _p_Sim {
   RestWatch   rest;
   char        dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
   char        scene_json[PETSC_MAX_PATH_LEN];
+  char        word[PETSC_MAX_PATH_LEN]; /* of the options to print; empty: none */
   char        restart[PETSC_MAX_PATH_LEN];
 };
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
+/* TimeText - a simulated time (s) in s, ms, us or ns, the unit in which the end of the run is at least one; returns
+   'text'. Not collective. */
+#define TIME_LENGTH 32
+const char *TimeText(Sim sim, PetscReal time, char text[TIME_LENGTH]);
 /* ProgressStep - prints when due: simulated time, step, time step, iterations, time to go; at the end a summary.
  * Collective. */
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);

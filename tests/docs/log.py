@@ -55,6 +55,38 @@ for event in "SphNeighbors", "SphDivergence", "SphGradient":
     runs.check(flops and max(flops) > 1000, f"{event}_counts_its_flops", str(flops))
 runs.check("There are no unused options" in seen and "twolevel_coarse" not in seen, "only_options_that_were_given",
            seen[-500:])
+# times in the unit in which the end is one or more; what several processes mean; a part in mm
+for end, unit, factor in (("2", "s", 1), ("2e-3", "ms", 1e3), ("3e-5", "us", 1e6)):
+    seen = runs.start(CALM + f"-time_step 1e-5 -time_end {end} -output_dir {runs.scratch('unit' + unit)}").stdout
+    last = re.findall(r"^t = +(\S+) (\S+)  step +3 ", seen, re.M)
+    runs.check(last == [(f"{3e-5 * factor:.3f}", unit)], f"time_in_{unit}", str(last) + seen[-300:])
+crowd = os.cpu_count() + 1
+seen = runs.start(CALM + f"-output_dir {runs.scratch('crowd')}", ranks=crowd).stdout
+runs.check(re.search(rf"Processes: {crowd}, of \d+ particles each", seen) and
+           re.search(rf"Processes: {crowd}, besides \S+ programs", seen), "processes_that_do_not_pay", seen[-1500:])
+with open(runs.scratch("part.stl"), "w", encoding="utf-8") as file:
+    file.write("solid part\n")
+    corners = ((0, 0, 0), (0, 100, 0), (100, 0, 0), (0, 0, 100))
+    for face in ((0, 1, 2), (0, 2, 3), (0, 3, 1), (2, 1, 3)):
+        file.write("facet normal 0 0 0 outer loop" + "".join(
+            f" vertex {corners[k][0]} {corners[k][1]} {corners[k][2]}" for k in face) + " endloop endfacet\n")
+    file.write("endsolid part\n")
+SOLID = "-spacing 0.05 -box_lower 0,0,0 -box_upper 1,1,1 -box_zmin wall -bodies a -a_lower 0.2,0.2,0.2 " \
+    f"-steps_max 1 -solids part -part_shape stl -part_file {file.name} -dry_run -output_dir {runs.scratch('mm')} "
+for more, there in (("", True), ("-part_scale 1e-3", False)):
+    seen = runs.start(SOLID + more)
+    runs.check(("give -part_scale 1e-3" in seen.stdout) == there, f"part_in_mm_{there}",
+               seen.stdout[:300] + seen.stderr)
+
+# -help WORD: the options that have it in name, meaning, group or choice, and no others
+text = runs.start("-help Hysteresis").stdout
+names = re.findall(r"^  (-\S+)", text, re.M)
+runs.check("-wall_contact_hysteresis" in names and "-<body>_contact_hysteresis" in names and
+           len(text.splitlines()) < 20 and "Petsc" not in text, "help_on_a_word", text[:600])
+text = runs.start("-help_on rewrites -dry_run")
+runs.check(text.returncode and "no option has that" in text.stderr, "help_on_nothing", text.stderr)
+meaning = runs.start(["-help", "body force"]).stdout
+runs.check("-packing_relaxation_time" in meaning, "help_on_a_meaning", meaning[:600])
 version = runs.start("-version").stdout
 runs.check(version.startswith("isph ") and "PETSc" in version, "version", version[:300])
 

@@ -190,6 +190,19 @@ def warned():
     terminal.close()
 
 
+def first():
+    """-ranks before the options files, as -help shows it."""
+    with open(runs.scratch("first.opts"), "w", encoding="utf-8") as file:
+        file.write(SCENE.replace(" -", "\n-"))
+    for ranks in (1, 2):
+        folder = runs.scratch(f"first_{ranks}")
+        done = subprocess.run([runs.PROGRAM, "-ranks", str(ranks), file.name, "-steps_max", "2", "-output_dir", folder],
+                              cwd=runs.ROOT, env=runs.environment(ranks), stdin=subprocess.DEVNULL, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=SECONDS, check=False)
+        runs.check(done.returncode == 0 and runs.series(folder)["step"][-1] == 2, f"before_the_files_{ranks}",
+                   done.stdout[-400:])
+
+
 def refused():
     """-ranks where it cannot start mpiexec."""
     with open(runs.scratch("ranks.opts"), "w", encoding="utf-8") as file:
@@ -225,6 +238,7 @@ def main():
         trial("Ctrl-C", key("C"), 4, True)
     twice()
     warned()
+    first()
     refused()
     runs.done()
 
