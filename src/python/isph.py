@@ -9,6 +9,8 @@
     isph.answer("ink.opts", "highest:max", accuracy=5)                        # a value with its error bar
     isph.study("ink.opts", "highest:max", drop_velocity=[(0, -1), (0, -2)])   # a table
     isph.open_run("output/my")                                                # a run that is there already
+    with isph.Simulation("ink.opts") as now:                                  # a run that Python steps (libisph)
+        now.step(); now.time, now.position, now.column("highest")
 
 An option of the program is a keyword: -name 1,2 is name=(1, 2), and a list is what to vary. A run that was made before,
 of the same scene and files with the same options by the same program, is not repeated (again=True repeats it). What
@@ -17,10 +19,13 @@ snapshots; pandas is used where it is installed. The program is that of this tre
 import collections.abc
 import concurrent.futures
 import csv
+import ctypes
+import functools
 import glob
 import hashlib
 import itertools
 import json
+import math
 import os
 import re
 import shutil
@@ -367,3 +372,133 @@ def study(scene, quantity, accuracy=0, budget=600, jobs=1, output=None, **option
     folder = ask("study", scene, quantity, output,
                  ["--vary", varied, "--accuracy", str(accuracy), "--budget", str(budget), "--jobs", str(jobs)])
     return table_of(read_table(os.path.join(folder, "_".join(options), "study.csv")))
+
+
+class Array(ctypes.Structure):
+    """IsphArray of isph.h."""
+    _fields_ = [("data", ctypes.c_void_p), ("count", ctypes.c_long), ("components", ctypes.c_int),
+                ("bytes", ctypes.c_int), ("integer", ctypes.c_int), ("unit", ctypes.c_char_p)]
+
+
+CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+RESULTS = {"IsphTime": ctypes.c_double, "IsphTimeStep": ctypes.c_double, "IsphSteps": ctypes.c_long,
+           "IsphError": ctypes.c_char_p, "IsphFieldName": ctypes.c_char_p, "IsphColumnName": ctypes.c_char_p}
+
+
+@functools.lru_cache(maxsize=None)
+def library():
+    """libisph of this tree, of the installed program, or $ISPH_LIBRARY."""
+    tree = os.path.join(HERE, "..", "..", "output", "build", "lib", "libisph.so")
+    places = [os.environ.get("ISPH_LIBRARY", ""), tree,
+              os.path.join(os.path.dirname(os.path.realpath(program())), "..", "lib", "isph", "libisph.so")]
+    found = next((place for place in places if os.path.isfile(place)), None)
+    if not found:
+        raise Error("there is no libisph.so; make builds it, ISPH_LIBRARY names another one.")
+    loaded = ctypes.CDLL(os.path.abspath(found))
+    for name, kind in RESULTS.items():
+        getattr(loaded, name).restype = kind
+    return loaded
+
+
+class Simulation:
+    """A run in this process, which Python steps; its fields are arrays of the program's own memory, not copies, until
+    the next step. A process has one at a time; on several processes all call the same (mpiexec -n 2 python3 ...).
+
+        with isph.Simulation("tank.opts", spacing=0.02) as now:
+            now.run(0.5, lambda now: print(now.time, now.column("highest")))
+
+    comm: a communicator of mpi4py; default: all processes. Options as in run(); without output_dir no file is written.
+    time, time_step (s), steps, ended; fields: the names of the fields, which are attributes: position, velocity [n][3],
+    pressure [n], body, layer (0: liquid), ...; columns: the names of the columns of the series."""
+
+    def __init__(self, scene=None, comm=None, **options):
+        words = ([os.fspath(scene)] if scene else []) + words_of(options)
+        text = " ".join(f'"{part}"' if re.search(r"\s", part) or not part else part for part in words)
+        self._run, self._after, self._raised = ctypes.c_void_p(), None, None
+        self._call("IsphCreate", text.encode(), ctypes.c_int(comm.py2f() if comm else -1), ctypes.byref(self._run))
+        self._call("IsphSetUp", self._run)
+        self.fields, self.columns = self._names("IsphFieldName"), self._names("IsphColumnName")
+
+    def _call(self, name, *words):
+        """Calls a function of isph.h; its sentence is raised."""
+        if getattr(library(), name)(*words):
+            raised, self._raised = self._raised, None
+            raise raised or Error(library().IsphError().decode() or f"{name} failed")
+
+    def _names(self, name):
+        every = (getattr(library(), name)(self._run, k) for k in itertools.count())
+        return [text.decode() for text in itertools.takewhile(bool, every)]
+
+    def step(self, end=math.inf):
+        """One step, at most to the time 'end' (s)."""
+        self._call("IsphStep", self._run, ctypes.c_double(end))
+
+    def run(self, end=math.inf, after=None):
+        """Steps to the time 'end' (s) or that of the scene; after(self) is called after each step. What it raises ends
+        the run."""
+        def called(_context, _run):
+            try:
+                after(self)
+                return 0
+            except BaseException as error:  # pylint: disable=broad-except
+                self._raised = error
+                return 1
+        self._after = CALLBACK(called) if after else CALLBACK()  # kept while it may be called
+        self._call("IsphSetCallback", self._run, self._after, None)
+        self._call("IsphRun", self._run, ctypes.c_double(end))
+
+    def field(self, name):
+        """The numbers of a field, [n] or [n][components], read only; they last until the next step: copy what is to
+        be kept."""
+        array = Array()
+        self._call("IsphField", self._run, name.encode(), ctypes.byref(array))
+        kind = np.dtype(f"{'i' if array.integer else 'f'}{array.bytes}")
+        size = array.count * array.components * array.bytes
+        memory = (ctypes.c_char * size).from_address(array.data) if size else b""
+        values = np.frombuffer(memory, kind).reshape(array.count, array.components)
+        values.flags.writeable = False
+        return values[:, 0] if array.components == 1 else values
+
+    def unit(self, name):
+        """The unit of a field."""
+        array = Array()
+        self._call("IsphField", self._run, name.encode(), ctypes.byref(array))
+        return array.unit.decode()
+
+    def __getattr__(self, name):
+        if name in self.__dict__.get("fields", ()):
+            return self.field(name)
+        raise AttributeError(f"this run has no {name}; it has {', '.join(self.__dict__.get('fields', ()))}")
+
+    def column(self, name):
+        """A column of the series now, by its name with or without the unit; nan: it has no value now."""
+        value = ctypes.c_double()
+        self._call("IsphColumn", self._run, name.encode(), ctypes.byref(value))
+        return value.value
+
+    time = property(lambda self: library().IsphTime(self._run))
+    time_step = property(lambda self: library().IsphTimeStep(self._run))
+    steps = property(lambda self: library().IsphSteps(self._run))
+    ended = property(lambda self: bool(library().IsphEnded(self._run)))
+
+    @property
+    def scene(self):
+        """scene.json, on process 0."""
+        text = ctypes.c_char_p()
+        self._call("IsphScene", self._run, ctypes.byref(text))
+        return json.loads(text.value or "null")
+
+    def checkpoint(self):
+        """Writes a checkpoint into output_dir."""
+        self._call("IsphCheckpoint", self._run)
+
+    def close(self):
+        """Ends the run; there can be another one then."""
+        if self._run:
+            self._call("IsphDestroy", ctypes.byref(self._run))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()

@@ -116,6 +116,85 @@ def stopped():
                    runs.numbered(folder, "checkpoint") and "of 1 runs" in said, "stop_in_python", said[-300:])
 
 
+STEPPED = """
+import sys
+sys.path.insert(0, %r)
+import h5py
+import numpy as np
+import isph
+from mpi4py import MPI
+comm = MPI.COMM_WORLD
+for name, options in (("whole", {}), ("stopped", {"film_viscosity": 0.1})):
+    with isph.Simulation("tank.opts", comm=comm, output_dir=name, **options) as now:
+        first, places = now.time, []
+        now.step()
+        liquid = now.layer == 0
+        total = comm.allreduce(int(liquid.sum()))
+        assert total == 100 and now.steps == 1 and now.time == now.time_step, (total, now.time)
+        assert now.position.shape == (len(liquid), 3) and now.position.base is not None
+        assert not now.position.flags.writeable and now.unit("velocity") == "m/s" and "lambda" in now.fields
+        own, mass = now.velocity[liquid], 1000 * 0.05**2
+        kinetic = comm.allreduce(0.5 * mass * (own**2).sum())
+        assert abs(kinetic / now.column("kinetic_energy") - 1) < 0.02, (kinetic, now.column("kinetic_energy"))
+        times = []
+
+        def after(run):
+            times.append((run.time, run.column("highest")))
+            if name == "stopped" and len(times) == 3:
+                raise ValueError("enough")
+        try:
+            now.run(after=after)
+        except ValueError as error:
+            assert name == "stopped" and str(error) == "enough" and len(times) == 3
+        else:
+            assert name == "whole" and now.ended and now.time == 0.1 and len(times) == now.steps - 1
+            assert now.scene is None or now.scene["time_end"] == 0.1
+try:
+    isph.Simulation("tank.opts", comm=comm, film_viscosity=-1)
+    raise AssertionError("not refused")
+except isph.Error as error:
+    assert comm.rank or "-film_viscosity is -1" in str(error), error
+if not comm.rank:
+    with h5py.File(isph.open_run("whole").snapshots[-1].path) as file:
+        assert file["position"].shape[1] == 3
+    print("all", len(times), times[-1][1])
+"""
+
+
+def stepped():
+    """A run in the process of Python, on one and two ranks: fields without copies, columns, a callback, errors."""
+    home, said = runs.scratch("stepped"), []
+    scene(home)
+    for ranks in (1, 2):
+        words = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
+        done = subprocess.run([*words, sys.executable, "-c", STEPPED % os.path.dirname(isph.__file__)], cwd=home,
+                              env=runs.environment(ranks), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              stdin=subprocess.DEVNULL, timeout=120, check=False)
+        runs.check(done.returncode == 0 and done.stdout.startswith("all 3 "), f"stepped_on_{ranks}",
+                   done.stdout + done.stderr[-600:])
+        said.append(done.stdout)
+        shutil.rmtree(os.path.join(home, "stopped"), ignore_errors=True)
+        one = isph.run(os.path.join(home, "tank.opts"), output=os.path.join(home, f"program_{ranks}"), ranks=ranks)
+        here = isph.open_run(os.path.join(home, "whole"))
+        same = [name for name in one.series if name != "wall_time" and not np.array_equal(
+            one.series[name], here.series[name], equal_nan=True)]
+        runs.check(not same, f"as_the_program_on_{ranks}", str(same))
+        shutil.rmtree(os.path.join(home, "whole"))
+
+
+def page():
+    """The example of options/python.md for a run that Python steps, as it is written."""
+    with open(os.path.join(runs.ROOT, "options", "python.md"), encoding="utf-8") as file:
+        example = file.read().split("communicators are taken.\n")[1].split("\nWithout")[0]
+    example = "import isph\n" + "".join(line[4:] or "\n" for line in example.splitlines(True))
+    done = subprocess.run([sys.executable, "-c", example], cwd=runs.ROOT, stdout=subprocess.PIPE, text=True, check=False,
+                          env=dict(runs.environment(), PYTHONPATH=os.path.dirname(isph.__file__)), timeout=120,
+                          stderr=subprocess.STDOUT)
+    words = done.stdout.split()
+    runs.check(done.returncode == 0 and len(words) == 4 and 0.1 < float(words[0]) < 0.4 and words[3] == "m/s",
+               "example_of_the_page", done.stdout[-300:])
+
+
 def answers():
     home = runs.scratch("answers")
     scene(home, "-series_interval 0.002")
@@ -200,7 +279,7 @@ def notebooks():
         shutil.rmtree(home)
 
 
-PARTS = {f.__name__: f for f in (module, stopped, answers, matrix, notebooks)}
+PARTS = {f.__name__: f for f in (module, stopped, stepped, page, answers, matrix, notebooks)}
 for part in ["notebooks"] if "--write" in sys.argv else runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
