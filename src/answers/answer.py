@@ -30,21 +30,30 @@ import reduce  # noqa: E402
 import tables  # noqa: E402
 
 RATIO = math.sqrt(2)  # of two spacings that follow each other
-COARSEST = 4  # the first spacing is RATIO**COARSEST times the scene's
+COARSEST, START = 4, 2  # the first spacing is the scene's times RATIO to a power from -START to COARSEST, where
+ACROSS = 12  # spacings or some more are across the smallest body: coarser ones only widen the bar
 FINEST = 6  # the last is the scene's over RATIO**FINEST
 GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
 PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost, by the clock; s
-CHEAP = ((5, 0.05), (3, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
-SMALL_CHANCE = 0.25  # of the accuracy: then one packing a spacing is enough
-ACROSS = 8  # spacings across the smallest body, at which whole and reduced scene are compared
+FIRST, DEAR = 4, 0.1  # packings of the first spacing, for at most this share of the budget if its price is known
+CHEAP = ((4, 0.1), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
+CHANCE = 0.5  # of the accuracy, that chance may have
+PROOF_ACROSS = 8  # there whole and reduced scene are compared
 PROOF = 0.1  # of the budget, for the whole scene there
 ALIKE = 0.1  # relative difference of two models at a coarse spacing that is not the model's
 PAIR = 2  # packings of each
+ROUNDING = 1e-9  # of a number of steps
 LEAST_SHARE = 0.05  # of the run, that the comparison must reach
 
 
 STYLE = ("<!doctype html><meta charset='utf-8'><title>{}</title><style>body{{font:15px sans-serif;max-width:64em;"
          "margin:2em auto;padding:0 1em}}td,th{{padding:.15em .8em;text-align:right}}img{{max-width:100%}}</style>\n")
+
+
+def coarseness(known, across):
+    """How many times RATIO the spacing may be coarser for so many across the smallest body; at most COARSEST."""
+    here = min((body["spacings"] for body in known["bodies"]), default=across)
+    return min(math.floor(math.log(here / across, RATIO) + ROUNDING), COARSEST)
 
 
 class Answer:
@@ -57,6 +66,7 @@ class Answer:
         os.makedirs(self.folder, exist_ok=True)
         known = launch.known(scene, *self.more)
         self.spacing, self.seed = known["domain"]["spacing"], seed_of(known)
+        self.coarser, self.price = coarseness(known, ACROSS), None
         if not all(q.row for q in quantities):
             for q in quantities:
                 q.find(known["columns"])
@@ -84,7 +94,7 @@ class Answer:
     def guess(self, spacing):
         """What one run at a spacing will cost, s; nan: unknown."""
         if not self.rungs:
-            return math.nan
+            return self.price[1] * (self.price[0] / spacing)**GROWTH if self.price else math.nan
         growth = GROWTH
         if len(self.rungs) > 1:
             (coarse, before), (fine, last) = ([(s, ladder.mean([run.cpu for run in runs]))
@@ -101,12 +111,13 @@ class Answer:
     def enough(self, verdicts):
         return all(v.bar <= self.arguments.accuracy / 100 * abs(v.value) for v in verdicts)
 
-    def sure(self, verdicts):
-        """Whether one packing at the next spacing is enough: chance, as if of one packing, is small."""
-        count = len(self.rungs[-1][1])
-        return len(self.rungs) > 1 and all(
-            v.chance * math.sqrt(count) <= SMALL_CHANCE * self.arguments.accuracy / 100 * abs(v.value)
-            for v in verdicts)
+    def needed(self, verdicts):
+        """How many packings the next spacing needs so that chance is CHANCE of the accuracy, if it is as large there;
+        the first two spacings have several, to tell."""
+        one = [v.chance * math.sqrt(len(self.rungs[-1][1])) for v in verdicts]
+        wanted = [CHANCE * self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
+        many = max((c / w)**2 if w > 0 else math.inf for c, w in zip(one, wanted))
+        return max(2 if len(self.rungs) < 2 else 1, math.ceil(min(many, FIRST) - ROUNDING))
 
     def more_packings(self, verdicts):
         """Whether chance is the larger error, and packings at this spacing are cheaper than a finer spacing."""
@@ -116,16 +127,23 @@ class Answer:
         return wide and len(runs) < 8 and self.spent + len(runs) * one <= self.arguments.budget \
             and len(runs) * one < self.guess(spacing / RATIO)
 
+    def first(self):
+        """The step at which the ladder begins: finer than the scene only where a price is known and low."""
+        step = min(-self.coarser, START if self.price else 0)
+        while step > -COARSEST and FIRST * self.guess(self.spacing * RATIO**-step) > DEAR * self.arguments.budget:
+            step -= 1
+        return step
+
     def climb(self):
         """Runs the ladder; returns the verdicts and the sentence that says why it ended."""
-        budget, verdicts, step = self.arguments.budget, None, -COARSEST
+        budget, verdicts, step = self.arguments.budget, None, self.first()
         while step <= FINEST:
             spacing = self.spacing * RATIO**-step
             cost = self.guess(spacing)
             if self.rungs and self.spent + cost > budget:
                 return verdicts, f"the next spacing, {spacing:.3g} m, would cost some {cost:.0f} s"
-            count = 3 if not self.rungs else 1 if self.sure(verdicts) else next(
-                (n for n, share in CHEAP if n * cost <= share * budget), 1)
+            count = FIRST if not self.rungs else min(self.needed(verdicts), next(
+                (n for n, share in CHEAP if n * cost <= share * budget), 1))
             good = self.run(spacing, range(self.seed, self.seed + count))
             step += 1
             if not good:
@@ -172,26 +190,25 @@ class Proof:
 
     def __init__(self, scene, quantities, arguments, known):
         self.scene, self.quantities, self.arguments, self.known = scene, quantities, arguments, known
-        across = min((body["spacings"] for body in known["bodies"]), default=ACROSS)
-        self.spacing = known["domain"]["spacing"] * min(max(1, across / ACROSS), RATIO**COARSEST)
+        self.spacing = known["domain"]["spacing"] * RATIO**max(0, coarseness(known, PROOF_ACROSS))
         self.start, self.end, self.spent, self.whole = known["time_start"], known["time_end"], 0.0, None
+        self.price = None  # (spacing, s of a run there) of the reduced scene
 
-    def runs(self, scene, name, end):
-        """The runs of a scene that ended well, with PAIR packings, until 'end' (s)."""
-        seed, last = seed_of(self.known), ["-time_end", f"{end:.9g}"] if end is not None else []
-        made = [launch.Run(scene, ["-spacing", f"{self.spacing:.6g}", "-packing_seed", str(seed + k), *last],
-                           os.path.join(self.arguments.output, "proof", f"{name}_{seed + k}"),
-                           self.arguments.budget) for k in range(PAIR)]
+    def runs(self, scene, name, more):
+        """The runs of a scene that ended well, with PAIR packings; else the reason."""
+        made = [launch.Run(scene, more + ["-spacing", f"{self.spacing:.6g}", "-packing_seed",
+                                          str(seed_of(self.known) + k)],
+                           os.path.join(self.arguments.output, "proof", f"{name}_{k}"), self.arguments.budget)
+                for k in range(PAIR)]
         launch.together(made, self.arguments.jobs)
         self.spent += sum(run.cpu for run in made)
         return [run for run in made if run.series], next((run.reason for run in made if run.reason), "")
 
-    def short(self, way, path):
+    def short(self, way, made):
         """The time until which the whole scene is run: that of the scene, unless it costs more than PROOF of the
-        budget."""
-        made, why = self.runs(path, "reduced", self.end)
-        if not made or self.end is None:
-            return self.end, why and f"the reduced scene does not run at {self.spacing:.3g} m: {why}"
+        budget; or why it is not run."""
+        if self.end is None:
+            return self.end, ""
         cost = PAIR * ladder.mean([run.cpu for run in made]) * max(1, way.cheaper)
         share = min(1, PROOF * self.arguments.budget / max(cost, 1e-9))
         if share < LEAST_SHARE:
@@ -200,12 +217,17 @@ class Proof:
 
     def judge(self, way, path):
         """(whether the reduced scene gives what the whole does, in words)."""
-        end, why = self.short(way, path)
+        part, why = self.runs(path, "reduced", quantity.ends(self.quantities, self.known))
+        if not part:
+            return False, f"the reduced scene does not run at {self.spacing:.3g} m: {why}"
+        self.price = self.spacing, ladder.mean([run.cpu for run in part])
+        end, why = self.short(way, part)
         if why:
-            return None if why.startswith("not proved") else False, why
+            return None, why
         if self.whole is None or self.whole[1] != end:
-            self.whole = (*self.runs(self.scene, "whole", end)[:1], end)
-        (whole, _), (part, _) = self.whole, self.runs(path, "reduced", self.end)
+            until = ["-time_end", f"{end:.9g}"] if end is not None else []
+            self.whole = self.runs(self.scene, "whole", until)[0], end
+        whole = self.whole[0]
         if not whole:
             return None, f"not proved: the whole scene does not run at {self.spacing:.3g} m"
         until, said, good = math.inf if end is None else end, [], True
@@ -226,17 +248,18 @@ class Proof:
 
 
 def model(scene, quantities, arguments):
-    """(path of the cheapest model of a scene that gives what the whole does, what it is, processor s, doubt)."""
+    """(path of the cheapest model of a scene that gives what the whole does, what it is, the Proof, doubt)."""
     known = launch.known(scene)
     for q in quantities:
         q.find(known["columns"])
     finest = ["-spacing", f"{known['domain']['spacing'] * RATIO**-FINEST:.6g}"]
-    path, notes, proof = os.path.join(arguments.output, "reduced.opts"), [], Proof(scene, quantities, arguments, known)
+    notes, proof = [], Proof(scene, quantities, arguments, known)
     try:
-        for way, note in reduce.ways(scene, finest, [q.row["name"] for q in quantities]):
+        for k, (way, note) in enumerate(reduce.ways(scene, finest, [q.row["name"] for q in quantities])):
             if not way:
                 notes.append(note)
                 continue
+            path = os.path.join(arguments.output, f"reduced_{k}.opts")  # each way its own: runs are known by it
             for q in quantities:
                 q.back = way.carry(q.row)
             good, words = proof.judge(way, write(path, way, scene))
@@ -244,13 +267,14 @@ def model(scene, quantities, arguments):
                 words += "".join(f"; {q.text} is {q.back[1]:.4g} times {q.back[0]}" for q in quantities
                                  if q.back[1] != 1)
                 more = f" ({'; '.join(notes)})" if notes else ""
-                return path, f"{way.why}; {words}{more}", proof.spent, "" if good else words
+                return path, f"{way.why}; {words}{more}", proof, "" if good else words
             notes.append(f"{way.why.partition(';')[0].partition(':')[0]}: {words}")
     except tables.RunError as error:
         notes.append(str(error))
     for q in quantities:
         q.back = (q.row["name"], 1.0)
-    return scene, "the scene as it is" + (f": {'; '.join(notes)}" if notes else ""), proof.spent, ""
+    proof.price = None
+    return scene, "the scene as it is" + (f": {'; '.join(notes)}" if notes else ""), proof, ""
 
 
 def confidence(verdict, accuracy, doubt=""):
@@ -367,11 +391,13 @@ def main():
     if not quantities:
         raise tables.RunError("QUANTITY names nothing: a column of series.csv is wanted, for instance highest:max.")
     os.makedirs(arguments.output, exist_ok=True)
-    scene, words, spent, doubt = (arguments.scene, "the scene as it is", 0, "") if arguments.whole else model(
+    scene, words, proof, doubt = (arguments.scene, "the scene as it is", None, "") if arguments.whole else model(
         arguments.scene, quantities, arguments)
     print(f"Model: {words}", flush=True)
     answer = Answer(scene, quantities, arguments)
-    answer.model, answer.spent, answer.doubt = words, spent, doubt
+    answer.model, answer.doubt = words, doubt
+    if proof:
+        answer.spent, answer.price = proof.spent, proof.price
     verdicts, why = answer.climb()
     lines = report(answer, verdicts, why)
     print("\n" + "\n".join(lines))

@@ -228,8 +228,8 @@ def known_of(lines):
 def ways(path, more=(), columns=()):
     """The ways to reduce a scene, the cheapest first, as pairs (Way, ""), or (None, why not). more: further options
     under which the model must hold; columns: names of those that must come back."""
-    scene = Scene(path, more)
-    model = scene.model
+    scene = Scene(path)
+    model = scene.model = Scene(path, more).model if more else scene.model
     rows = [scene.columns[name] for name in columns if name in scene.columns]
     holds = {key: [one for one in model[key] if one["holds"]] for key in ("revolution", "mirrors", "uniform")}
     mirrors = [m for m in holds["mirrors"]

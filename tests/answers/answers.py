@@ -273,6 +273,8 @@ def figure(rows):
         path, (q,), arguments, _ = asked(name, options, text, PLENTY)
         reduced, why, _, doubt = answer.model(path, [q], arguments)
         runs.check(words in why and not doubt and "agree" in why, f"{name}_model", why)
+        spacings = [launch.known(file)["domain"]["spacing"] for file in (path, reduced)]
+        runs.check(spacings[0] == spacings[1], f"{name}_spacing", str(spacings))
         run = launch.Run(reduced, [], os.path.join(arguments.output, "run")).go()
         runs.check_within(q.of(run.series) / value, 0.93, 1.07, f"{name}_carried_back")
 
@@ -291,6 +293,13 @@ def figures():
         good, words = answer.Proof(path, [q], arguments, known).judge(
             way, answer.write(os.path.join(arguments.output, "other.opts"), way, path))
         runs.check(good == due and ("agree" if due else "differ") in words, f"proof_of_{share:g}_gravity", words)
+    path, (q,), arguments, known = asked("second", TANK.format("0.3"), "force_zmin_z:mean=0.1,0.2", PLENTY)
+    ways, reduce.ways = reduce.ways, lambda *_: [(reduce.Way(
+        [(name, f"0,0,{-9.81 * share}" if name == "gravity" else value) for name, value in whole], f"{share} of g",
+        {d: d for d in "xyz"}, {"zmin": "zmin"}), "") for share in (0.8, 1)]
+    why = answer.model(path, [q], arguments)[1]
+    reduce.ways = ways
+    runs.check(why.startswith("1 of g") and "0.8 of g: whole and reduced differ" in why, "second_way", why)
 
 
 def carries():
@@ -373,10 +382,33 @@ def couette(time):
     return 0.4 * 0.5 * 1000 * float(np.trapz(u * u, y))
 
 
+def packings():
+    """Chance decides how many packings a spacing needs."""
+    found = answer.Answer(*asked("packings", TANK.format("0.3"), "highest:max")[:3])
+    for chance, count, spacings, due in ((0.05, 4, 2, 1), (0.2, 1, 2, 4), (0.1, 2, 2, 2), (0.02, 4, 1, 2), (9, 2, 2, 4),
+                                         (math.inf, 1, 2, 4)):
+        found.rungs = [(1, [None] * count)] * spacings
+        one = argparse.Namespace(chance=chance * 0.5, value=1)  # the accuracy is 10 %
+        runs.check(found.needed([one]) == due, f"packings_for_{chance:g}_of_{count}", str(found.needed([one])))
+
+
 def resting(times, curve):
     """The time at which the curve has stayed within 2 % of its range since half of it."""
     return next((t for t in times[10:] if np.ptp(curve[(times >= t / 2) & (times <= t)]) <= 0.02 * np.ptp(
         curve[times <= t])), math.inf)
+
+
+def coarse():
+    """The ladder begins where the smallest body has twelve spacings across, dear ones coarser."""
+    for spacings, due in (([48, 17.1], 1), ([48], 4), ([12], 0), ([8], -2), ([1e6], answer.COARSEST), ([], 0)):
+        found = answer.coarseness({"bodies": [{"spacings": one} for one in spacings]}, 12)
+        runs.check(found == due, f"coarse_{spacings}", str(found))
+    path, (q,), arguments, _ = asked("first", TANK.format("0.3"), "highest:max", 100)
+    found = answer.Answer(path, [q], arguments)
+    for coarser, price, due in ((3, None, -3), (-2, None, 0), (-2, (0.1, 0.1), 2), (-2, (0.1, 1), 0),
+                                (0, (0.1, 1e3), -answer.COARSEST)):
+        found.coarser, found.price = coarser, price
+        runs.check(found.first() == due, f"first_step_{coarser}_{price}", str(found.first()))
 
 
 def rests():
@@ -445,7 +477,7 @@ def models():
 
 PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
          "holds": holds, "figures": figures, "squares": squares, "carries": carries,
-         "rests": rests}
+         "rests": rests, "coarse": coarse, "packings": packings}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
