@@ -41,8 +41,8 @@ static PetscBool             KilledSoon = PETSC_FALSE; /* mpiexec kills the prog
    A signal sets the timer to SLOW. */
 static struct {
   PetscBool             kept;
-  struct itimerval      half;            /* 0: no end */
-  volatile sig_atomic_t rings, answered; /* answered: the run knows of the signal, or the user does */
+  struct itimerval      half;           /* 0: no end */
+  volatile sig_atomic_t rung, answered; /* answered: the run knows of the signal, or the user does */
   char                  seconds[32];
   const char           *doing;
   char                  checkpoint[PETSC_MAX_PATH_LEN]; /* the last complete one; "": none */
@@ -82,7 +82,7 @@ static void Ring(int number)
                                           : "",
                                last, Timer.checkpoint});
     (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
-  } else if (Timer.rings++) {
+  } else if (Timer.rung++) {
     (void)signal(number, SIG_DFL);
     (void)alarm(1); /* ends a write that hangs */
     Say((const char *const[8]){"error: there was no sign of life for ", Timer.seconds,
@@ -265,7 +265,7 @@ void InterruptSilence(double seconds)
 void InterruptAlive(const char doing[])
 {
   if (doing) Timer.doing = doing;
-  Timer.rings = 0;
+  Timer.rung = 0;
   if (Signalled && !Timer.answered) return; /* its ring is to come */
   if (Timer.half.it_value.tv_sec || Timer.half.it_value.tv_usec) (void)setitimer(ITIMER_REAL, &Timer.half, NULL);
 }

@@ -2,7 +2,7 @@
 #ifndef ISPH_BODIES_IMPL_H
 #define ISPH_BODIES_IMPL_H
 
-#include "../stepper/edge.h"
+#include "bodies.h"
 
 #define FREE_EDGE "free" /* the name of FreeEdge */
 
@@ -30,6 +30,36 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
 PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
 PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+
+/* BodyMovesAs - whether two solids have the same motion. BodyMove - moves a point x (m) with the solid from the time
+   'from' to the time 'to' (s). Not collective. */
+PetscBool BodyMovesAs(Body solid, Body other);
+void      BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM]);
+
+extern const OptionRow FreeOptions[];
+/* FreeSetFromOptions - reads -<s>_mass, -<s>_inertia and -<s>_turns. FreeSetUp - refuses (UserError) options that
+   contradict each other, and removes the free body if its mass is 0. center (m): the centre of mass, given if
+   'centered', else computed; velocity (m/s), rate (rad/s): at the start. FreeCheck - refuses (UserError) a mass, a
+   moment of inertia or a centre of mass out of range; density: the largest one of the liquids (kg/m3). FreeView -
+   prints the free body. Collective. FreePose - translation (m) and rotation matrix of a free body at a time (s).
+   FreeVelocity - velocity (m/s) and angular velocity (rad/s) since the last FreePush. FreeSetTime - sets the pose from
+   which FreeMotion and FreeResponse start. Not collective. */
+PetscErrorCode FreeSetFromOptions(Body body, OptionItems PetscOptionsObject);
+PetscErrorCode FreeCheck(Body body, PetscReal density);
+PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
+                         const PetscReal rate[DIM]);
+PetscErrorCode FreeView(Body body, PetscViewer viewer);
+void           FreePose(Body body, PetscReal time, PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
+void           FreeVelocity(Body body, PetscReal velocity[DIM], PetscReal rate[DIM]);
+void           FreeSetTime(Body body, const PetscReal shift[DIM], PetscReal turn[DIM][DIM]);
+/* RotationMatrix - the matrix of a rotation with an angular velocity (rad/s) for a time (s). RotationMultiply - out = A
+   B. RotationInverse - the inverse of A. RotationStraighten - orthonormalises a rotation matrix with rounding errors.
+   RotationVector - the axis times the angle (rad, at most pi) of a rotation matrix. Not collective. */
+void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM]);
+void RotationMultiply(PetscReal A[DIM][DIM], PetscReal B[DIM][DIM], PetscReal out[DIM][DIM]);
+void RotationInverse(PetscReal A[DIM][DIM], PetscReal out[DIM][DIM]);
+void RotationStraighten(PetscReal turn[DIM][DIM]);
+void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
 
 /* SolidsMove - the hook 'drift' of solids that move and of their dummy particles. Not collective. */
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);

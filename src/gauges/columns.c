@@ -84,3 +84,8 @@ PetscReal GaugesFactor(Gauges gauges, const Column *column)
   }
   return factor * copies;
 }
+
+Cloud GaugesCloud(Gauges gauges)
+{
+  return gauges->cloud;
+}

@@ -2,37 +2,7 @@
 #ifndef ISPH_GAUGES_IMPL_H
 #define ISPH_GAUGES_IMPL_H
 
-#include "gauges.h"
-
-/* A growing list of rows. */
-typedef struct {
-  PetscInt count, capacity;
-  Column  *row;
-} ColumnList;
-
-/* A table of its own that a gauge fills. */
-typedef struct {
-  const char *file;
-  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list); /* adds none: no table is written */
-  PetscErrorCode (*rows)(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values);
-  PetscBool events; /* it has rows at the times of the series, not of the snapshots */
-} GaugeTable;
-
-/* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. data: 'bytes' bytes of its own, zero at
-   first. */
-typedef struct {
-  size_t           bytes;
-  const OptionRow *options;                                                          /* read into the data */
-  void (*defaults)(Gauges gauges, void *data);                                       /* before */
-  PetscErrorCode (*more)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* reads what the table has not */
-  PetscErrorCode (*check)(Gauges gauges, void *data); /* refuses bad values, after the block */
-  PetscErrorCode (*view)(Gauges gauges, const void *data, PetscViewer viewer);
-  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list);   /* adds its rows of the series */
-  PetscErrorCode (*measure)(Gauges gauges, const void *data, PetscReal values[]); /* of the simulated part */
-  PetscBool         needs_sums;          /* 'measure' reads fields that OperatorsMoments and TensionApply write */
-  const GaugeTable *tables;              /* the last has no file */
-  PetscErrorCode (*destroy)(void *data); /* what the data point to */
-} GaugeKind;
+#include "columns.h"
 
 extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
   GaugeSpread, GaugeNeck;
@@ -81,18 +51,10 @@ static inline char AxisName(PetscInt direction)
 }
 
 /* --- receivers.c: the walls of the box, then the solids, receive forces and are wetted --- */
-/* GaugeWallFace - the number of wall faces of the box; direction and side are those of wall face 'index', if it exists.
-   GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
+/* GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
  */
-PetscInt    GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
 PetscInt    GaugeReceivers(Gauges gauges);
 const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
-
-/* --- columns.c --- */
-/* ColumnAdd - adds a row; the name is printed by the format. ColumnAddVector - adds a row for each of the components
-   first .. last of a vector, named "<name>_x" or "x" if the name is empty. Not collective. */
-PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...);
-PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
 
 /* --- totals.c --- */
 /* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies

@@ -109,6 +109,7 @@ PetscErrorCode OperatorsViscosity(Cloud cloud, const Viscosity *viscosity, const
    too, at rest density. velocity: [n_total][3], m/s. The fluid loses the same momentum through its pairs. Collective.
  */
 PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const PetscReal velocity[], PetscReal drag[]);
+#define RIGID_MOTIONS (2 * DIM) /* numbers of the velocity and the angular velocity of a rigid body */
 /* OperatorsSolidDivergence - slope[]: derivatives of the divergence (1/s, OperatorsDivergence) of the owned particle a
    by the velocities of a solid (RIGID_MOTIONS, about 'center', m). a is fluid, or a dummy particle of the solid. body:
    of the solid's dummy particles. Not collective. */

@@ -29,12 +29,12 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
   PetscCall(PetscFree((*body)->emitter));
-  PetscCall(MotionDestroy(*body));
+  PetscCall(SolidMotion.destroy(*body));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode BodyView(Body body, PetscViewer viewer)
+PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
 {
   const Material  *m      = &body->material;
   const PetscReal *v      = body->uniform;
@@ -48,7 +48,7 @@ PetscErrorCode BodyView(Body body, PetscViewer viewer)
                                    (double)lower[1], (double)lower[2], (double)upper[0], (double)upper[1],
                                    (double)upper[2]));
   if (!body->velocity) { /* a solid */
-    PetscCall(MotionView(body, viewer));
+    if (body->motion) PetscCall(SolidMotion.view(body, tension, viewer));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPushTab(viewer));
@@ -86,7 +86,7 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM])
   PetscReal y[DIM];
 
   if (!body->motion) return ShapeDistance(body, x);
-  MotionBack(body, x, y);
+  SolidMotion.back(body, x, y);
   return ShapeDistance(body, y);
 }
 
@@ -147,4 +147,15 @@ void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM])
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
   return (PetscBool)(body->kind->holds && body->kind->holds(body, x, behind));
+}
+
+PetscBool BodyMoves(Body solid)
+{
+  return (PetscBool)(solid->motion != NULL);
+}
+
+void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
+  if (solid->motion) SolidMotion.velocity(solid, time, x, v);
 }

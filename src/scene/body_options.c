@@ -137,9 +137,7 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const OptionRow *const of_solids[] = {MotionOptions, FreeOptions, contact}, *const of_bodies[] = {material,
-                                                                                                         fluid, moving,
-                                                                                                         typed};
+static const OptionRow *const of_bodies[] = {material, fluid, moving, typed};
 
 PetscErrorCode BodySetFromOptions(Body body)
 {
@@ -163,8 +161,9 @@ PetscErrorCode BodySetFromOptions(Body body)
   PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->emitter, &choice));
   body->kind = (const BodyTypeOps *)choice;
   PetscOptionsEnd();
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_solids); k++)
-    PetscCall(OptionsNote(body->prefix, "a solid", of_solids[k]));
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
+    PetscCall(OptionsNote(body->prefix, "a solid", SolidMotion.rows[k]));
+  PetscCall(OptionsNote(body->prefix, "a solid", contact));
   PetscCall(ReadHoles(body, &holes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -201,8 +200,8 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscCall(ReadHoles(body, &holes)); /* the mass of a free body needs them */
   PetscCall(PetscSNPrintf(title, sizeof(title), "Motion and contact of solid %s", body->name)); /* PETSc helps once */
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
-  PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
-  PetscCall(MotionSetUp(body));
+  PetscCall(SolidMotion.read(body, PetscOptionsObject));
+  PetscCall(SolidMotion.setup(body));
   PetscCall(ReadContactAngle(body, PetscOptionsObject));
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_bodies); k++)
@@ -245,7 +244,7 @@ PetscErrorCode SceneHelp(MPI_Comm comm)
   PetscCall(ReadChosen(body, NULL, &moving[1], &body->velocity_data, &choice));
   PetscCall(ReadChosen(body, NULL, typed, &body->emitter, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
-  PetscCall(MotionSetFromOptions(body, PetscOptionsObject));
+  PetscCall(SolidMotion.read(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscOptionsBegin(comm, body->prefix, "Solid, any", "Scene");
   PetscCall(ReadContactAngle(body, PetscOptionsObject));

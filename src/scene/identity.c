@@ -89,8 +89,8 @@ PetscErrorCode SceneIdentity(Scene scene, FILE *text)
 
     fprintf(text, "solid %d of -solids = %s\n", (int)b + 1, solid->name);
     PrintShape(text, solid);
-    if (solid->motion) PrintRows(text, solid, MotionOptions, solid->motion);
-    if (solid->free) PrintRows(text, solid, FreeOptions, solid->free);
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
+      if (MotionData(solid, k)) PrintRows(text, solid, SolidMotion.rows[k], MotionData(solid, k));
   }
   if (scene->interface_tension == 0) PetscFunctionReturn(PETSC_SUCCESS); /* the liquids mix */
   PetscCall(SceneInterfaceBodies(scene, names, sizeof(names)));

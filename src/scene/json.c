@@ -111,8 +111,8 @@ static void WriteSolid(Json *json, Body body, PetscReal start, PetscReal end)
   JsonBool(json, "free", (PetscBool)(body->free != NULL));
   JsonBool(json, "driven", (PetscBool)(body->motion && !body->free));
   JsonObject(json, "motion");
-  if (body->motion) WriteRows(json, body, MotionOptions, body->motion);
-  if (body->free) WriteRows(json, body, FreeOptions, body->free);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
+    if (MotionData(body, k)) WriteRows(json, body, SolidMotion.rows[k], MotionData(body, k));
   JsonEnd(json);
   JsonReals(json, "moments", moments, moment);
   JsonEnd(json);

@@ -4,7 +4,7 @@
 /* Adds the moments of a body or solid; whether it depends on the time. */
 static PetscBool Add(Body body, Moments *moments)
 {
-  if (body->motion) MotionMoments(body, moments);
+  if (body->motion) SolidMotion.moments(body, moments);
   if (body->kind && body->kind->moments) body->kind->moments(body, moments);
   return (PetscBool)(body->motion || (body->kind && body->kind->moments));
 }

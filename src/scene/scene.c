@@ -181,8 +181,9 @@ static PetscErrorCode CheckSpeed(Body solid)
   PetscReal lower[DIM], upper[DIM], speed;
 
   PetscFunctionBegin;
+  if (!solid->motion) PetscFunctionReturn(PETSC_SUCCESS);
   BodyBounds(solid, lower, upper);
-  speed = MotionSpeed(solid, lower, upper);
+  speed = SolidMotion.speed(solid, lower, upper);
   PetscCheckUser(
     speed <= SPEED_MAX, solid->domain->comm,
     "the solid %s moves with up to %g m/s, by -%svelocity, -%srotation_rate and its other motions; at most "
@@ -214,7 +215,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   for (PetscInt b = 0; b < scene->solids; b++) {
     PetscCall(SolidSetFromOptions(scene->solid[b]));
     PetscCall(CheckSpeed(scene->solid[b]));
-    PetscCall(FreeCheck(scene->solid[b], densest));
+    PetscCall(SolidMotion.check(scene->solid[b], densest));
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
   for (PetscInt b = 0; b < scene->fine_regions; b++) {
@@ -294,6 +295,25 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
   return least;
 }
 
+PetscBool SceneSolidsMove(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->solids; b++)
+    if (BodyMoves(scene->solid[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+void SceneMoveSolids(Scene scene, PetscReal time)
+{
+  scene->solid_time = time;
+  for (PetscInt b = 0; b < scene->solids; b++)
+    if (scene->solid[b]->motion) SolidMotion.move(scene->solid[b], time);
+}
+
+PetscReal SceneSolidTime(Scene scene)
+{
+  return scene->solid_time;
+}
+
 void SceneSolidVelocity(Scene scene, PetscInt solid, const PetscReal x[DIM], PetscReal v[DIM])
 {
   BodyMotion(scene->solid[solid], scene->solid_time, x, v);
@@ -306,7 +326,7 @@ PetscReal SceneSolidSpeed(Scene scene)
   for (PetscInt b = 0; b < scene->solids; b++) {
     if (!BodyMoves(scene->solid[b])) continue;
     BodyBounds(scene->solid[b], lower, upper);
-    speed = PetscMax(speed, MotionSpeed(scene->solid[b], lower, upper));
+    speed = PetscMax(speed, SolidMotion.speed(scene->solid[b], lower, upper));
   }
   return speed;
 }

@@ -15,10 +15,10 @@
 
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes. Solids have the same no-slip condition as the
    walls of the box. They may touch and overlap each other and the faces of the box. A solid is fixed, or it has a
-   prescribed motion (motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase, -<s>_rotation_rate,
-   _rotation_center, _rotation_axis, _motion_file. Or it is a free body, which the liquid moves (free.c): -<s>_mass,
-   _inertia, _turns.
-   Functions about solids refer to the time of the last SceneMoveSolids unless they have an argument 'time'.
+   prescribed motion (bodies/motion.c): -<s>_velocity, -<s>_oscillation_amplitude, _frequency, _phase,
+   -<s>_rotation_rate, _rotation_center, _rotation_axis, _motion_file. Or it is a free body, which the liquid moves
+   (bodies/rigid.c): -<s>_mass, _inertia, _turns. Functions about solids refer to the time of the last SceneMoveSolids
+   unless they have an argument 'time'.
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: the particle spacing is -spacing in these regions
    and grows to -spacing_coarse outside (SceneSpacing). With -spacing_follow it is fine near free surfaces, too.
@@ -61,8 +61,6 @@ typedef struct {
   PetscReal viscosity; /* mu, Pa s, or the parameter K of the viscosity model, see viscosity.c */
   PetscReal tension;   /* sigma, N/m */
 } Material;
-
-#define RIGID_MOTIONS (2 * DIM) /* numbers of the velocity and the angular velocity of a rigid body */
 
 typedef struct _p_Body  *Body;
 typedef struct _p_Scene *Scene;
@@ -110,12 +108,9 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
 /* SceneSolidNormal - unit normal n at x (m) out of the nearest solid, from differences of the signed distance; zero
    where these vanish. */
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);
-/* BodyMoves - whether a solid can move. BodyMovesAs - whether two solids have the same motion. BodyMove - moves a point
-   x (m) with the solid from the time 'from' to the time 'to' (s). BodyMotion - the velocity v (m/s) of the solid's
-   point at x (m) at a time (s); zero for a fixed solid. */
+/* BodyMoves - whether a solid can move. BodyMotion - the velocity v (m/s) of the solid's point at x (m) at a time (s);
+   zero for a fixed solid. */
 PetscBool BodyMoves(Body solid);
-PetscBool BodyMovesAs(Body solid, Body other);
-void      BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM]);
 void      BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
 /* SceneSolidVelocity - the velocity v (m/s) of a solid, by its index, at its point nearest to x (m). SceneSolidsMove -
    whether any solid can move. SceneMoveSolids - moves all solids to their positions at a time (s); they start at the
@@ -126,39 +121,6 @@ PetscBool SceneSolidsMove(Scene scene);
 void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
 PetscReal SceneSolidSpeed(Scene scene);
-/* Free bodies, solids with -<s>_mass. A motion is a velocity (m/s), then an angular velocity (rad/s). An angular
-   impulse about the centre of mass (N m s) follows an impulse (N s), and a torque (N m) follows a force (N).
-
-   SceneHasFree - whether the scene has a free body. SceneDriven - whether a solid has a prescribed motion. BodyMass -
-   mass (kg; kg/m in two dimensions); 0: the solid is not free.
-
-   FreeMotion - centre of mass (m) and motion at the time of SceneMoveSolids. FreeResponse - the change of the motion by
-   an impulse at that time. FreePush - applies an impulse at that time, which 'time' must equal; the body moves on with
-   the new motion. FreeAddForce - adds a force at x (m) to a sum of forces and torques. normal: only the component of
-   the force along it has a torque, so that pressure does not turn a circle; NULL: all of the force has. FreeForces -
-   the force of the pressure in the last step, and its excess over that of the projection; the stepper computes both,
-   the body stores them. FreeKinetic - kinetic energy (J). FreeTurned - axis times angle (rad) of the rotation from the
-   start to the last FreePush. FreeNumbers - the state of the body as an array, for a checkpoint.
-
-   SceneStart - sets the time (s) at which free bodies begin to move. SceneFreeze - fixes all free bodies (true), or
-   releases them with no forces of a last step (false). SceneSave - saves the states of the free bodies at the start of
-   a step. SceneRestore - returns to the saved states. */
-PetscBool  SceneHasFree(Scene scene);
-PetscReal  BodyMass(Body solid);
-void       FreeMotion(Body solid, PetscReal center[DIM], PetscReal motion[RIGID_MOTIONS]);
-void       FreeResponse(Body solid, const PetscReal impulse[RIGID_MOTIONS], PetscReal change[RIGID_MOTIONS]);
-void       FreePush(Body solid, PetscReal time, const PetscReal impulse[RIGID_MOTIONS]);
-void       FreeForces(Body solid, PetscReal **force, PetscReal **excess);
-void       FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM], const PetscReal normal[],
-                        PetscReal sum[RIGID_MOTIONS]);
-void       FreeTurned(Body solid, PetscReal angle[DIM]);
-PetscReal  FreeKinetic(Body solid);
-PetscReal *FreeNumbers(Body solid, PetscInt *count);
-void       SceneStart(Scene scene, PetscReal time);
-void       SceneFreeze(Scene scene, PetscBool frozen);
-PetscBool  SceneDriven(Scene scene);
-void       SceneSave(Scene scene);
-void       SceneRestore(Scene scene);
 /* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
    regions of -fine, at most -spacing_coarse; with -spacing_follow the target, too. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);

@@ -204,7 +204,7 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(FrameView(scene, viewer));
   for (PetscInt b = 0; b < scene->count; b++) {
-    PetscCall(BodyView(scene->body[b], viewer));
+    PetscCall(BodyView(scene->body[b], PETSC_FALSE, viewer));
     PetscCall(PetscViewerASCIIPushTab(viewer));
     PetscCall(ViewNumbers(scene, b, viewer));
     PetscCall(PetscViewerASCIIPopTab(viewer));
@@ -212,13 +212,7 @@ PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
   PetscCall(LiquidsView(scene, viewer));
   for (PetscInt b = 0; b < scene->solids; b++) {
     PetscCall(PetscViewerASCIIPrintf(viewer, "solid "));
-    PetscCall(BodyView(scene->solid[b], viewer));
-    if (BodyMass(scene->solid[b]) > 0 && SceneHasTension(scene))
-      PetscCall(PetscViewerASCIIPrintf(viewer,
-                                       "  warning: the force of surface tension on %s at its contact lines is not "
-                                       "computed; in a plane it is up to 2 sigma, which must be small against the "
-                                       "weight\n",
-                                       scene->solid[b]->name));
+    PetscCall(BodyView(scene->solid[b], SceneHasTension(scene), viewer));
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,6 +4,7 @@
    moments: those where motions, swinging gravity and emitters are extreme (SceneMoments), and some at golden-ratio
    distances, which no period has. So the symmetries hold for any shape, motion and force. A place where a surface is
    nearer than a tenth of a spacing says nothing: the particles cannot tell either. */
+#include "../bodies/bodies.h"
 #include "sim_impl.h"
 #include <string.h>
 

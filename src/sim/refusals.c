@@ -1,6 +1,7 @@
 /* The table of features that cannot be used together, for the refusals, the end of -help and the list in
    options/README.md. A feature has the name that the user writes. A feature that is an option is on if the option is
    given, with the value if the name has one. Features has all others. */
+#include "../bodies/bodies.h"
 #include "sim_impl.h"
 #include <string.h>
 #include <strings.h>

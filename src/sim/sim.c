@@ -1,4 +1,5 @@
 #include "../emitters/emitters.h"
+#include "../bodies/bodies.h"
 #include "sim_impl.h"
 #include <stdlib.h>
 #include <string.h>

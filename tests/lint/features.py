@@ -15,9 +15,9 @@ import verdict
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # name: where it is at home (a folder, or files until it has one), its names, folders outside at most
 FEATURES = {
-    "free bodies": (("bodies/", "scene/free.c", "gauges/bodies.c"),
+    "free bodies": (("bodies/",),
                     r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 4),
-    "solids that move": (("bodies/", "scene/motion.c", "scene/rotation.c"),
+    "solids that move": (("bodies/",),
                          r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 7),
     "emitters": (("emitters/", "packing/emit.c", "scene/emitter.c"),
                  r"SceneEmits|BodyEmi\w+|PackingEmit\w*|SimEmit|Emitter\w*|emitter|inflow_energy", 7),

@@ -1,4 +1,5 @@
 /* Solids that move, as their options say and freely. */
+#include "../../src/bodies/bodies_impl.h"
 #include "read_scene.h"
 
 #define TABLE "output/test_scene_motion.csv"

@@ -1,5 +1,6 @@
 /* Position and motion of free bodies: columns of the series. */
-#include "gauges_impl.h"
+#include "../gauges/columns.h"
+#include "bodies.h"
 
 /* Columns of a body: centre, velocity, angle and angular velocity. The last two have one component in two dimensions,
    three in three. */
@@ -31,7 +32,7 @@ static PetscInt FreeBody(Scene scene, PetscInt k)
 
 static PetscErrorCode Columns_Bodies(Gauges gauges, const void *data, ColumnList *list)
 {
-  const Scene scene = gauges->cloud->scene;
+  const Scene scene = GaugesCloud(gauges)->scene;
 
   PetscFunctionBegin;
   for (PetscInt k = 0, b; (b = FreeBody(scene, k)) >= 0; k++)
@@ -39,9 +40,9 @@ static PetscErrorCode Columns_Bodies(Gauges gauges, const void *data, ColumnList
       const Column row = {.unit   = KindUnits[kind],
                           .counts = COUNTS_VALUE,
                           .of     = OF_RECEIVER,
-                          .index  = GaugeWallFace(gauges->cloud->domain, -1, NULL, NULL) + b};
+                          .index  = GaugeWallFace(GaugesCloud(gauges)->domain, -1, NULL, NULL) + b};
       char         name[COLUMN_NAME_LENGTH];
-      PetscInt     first = 0, count = Directions(gauges->cloud->domain, (Kind)kind, &first);
+      PetscInt     first = 0, count = Directions(GaugesCloud(gauges)->domain, (Kind)kind, &first);
 
       PetscCall(PetscSNPrintf(name, sizeof(name), "%s%s", BodyName(SceneSolid(scene, b)), KindNames[kind]));
       PetscCall(ColumnAddVector(list, row, first, first + count - 1, name));
@@ -51,11 +52,11 @@ static PetscErrorCode Columns_Bodies(Gauges gauges, const void *data, ColumnList
 
 static PetscErrorCode Measure_Bodies(Gauges gauges, const void *data, PetscReal values[])
 {
-  const Domain domain = gauges->cloud->domain;
+  const Domain domain = GaugesCloud(gauges)->domain;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0, b; (b = FreeBody(gauges->cloud->scene, k)) >= 0; k++) {
-    const Body solid = SceneSolid(gauges->cloud->scene, b);
+  for (PetscInt k = 0, b; (b = FreeBody(GaugesCloud(gauges)->scene, k)) >= 0; k++) {
+    const Body solid = SceneSolid(GaugesCloud(gauges)->scene, b);
     PetscReal  center[DIM], motion[RIGID_MOTIONS], angle[DIM];
 
     FreeMotion(solid, center, motion);

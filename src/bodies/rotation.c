@@ -1,5 +1,5 @@
 /* Rotation matrices. */
-#include "scene_impl.h"
+#include "bodies_impl.h"
 
 /* Rodrigues' formula. */
 void RotationMatrix(const PetscReal rate[DIM], PetscReal time, PetscReal turn[DIM][DIM])

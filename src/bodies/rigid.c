@@ -5,7 +5,8 @@
 
    with X its position and C the centre of mass at the start, R a rotation, shift and turn those at t_0. The moment of
    inertia rotates with the body. Torques change the angular momentum, from which w follows at each push. */
-#include "scene_impl.h"
+#include "bodies_impl.h"
+#include "../scene/body.h"
 
 #define SHAPE_SAMPLES 64 /* a direction, for volume, centre and moment of inertia of a shape */
 /* Allowed ratios of a body's density to that of the densest liquid, and of its moment of inertia to its mass times the
@@ -361,22 +362,22 @@ void FreeTurned(Body solid, PetscReal angle[DIM])
 
 PetscBool SceneHasFree(Scene scene)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) return PETSC_TRUE;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 void SceneStart(Scene scene, PetscReal time)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now.time = time;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) SceneSolid(scene, b)->free->now.time = time;
 }
 
 void SceneFreeze(Scene scene, PetscBool frozen)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) {
-      struct _p_Free *f = scene->solid[b]->free;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) {
+      struct _p_Free *f = SceneSolid(scene, b)->free;
 
       f->frozen = frozen;
       for (PetscInt k = 0; k < RIGID_MOTIONS && !frozen; k++) f->now.force[k] = f->now.excess[k] = 0;
@@ -385,19 +386,19 @@ void SceneFreeze(Scene scene, PetscBool frozen)
 
 PetscBool SceneDriven(Scene scene)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (scene->solid[b]->motion && BodyMass(scene->solid[b]) == 0) return PETSC_TRUE;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (SceneSolid(scene, b)->motion && BodyMass(SceneSolid(scene, b)) == 0) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 void SceneSave(Scene scene)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->saved = scene->solid[b]->free->now;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) SceneSolid(scene, b)->free->saved = SceneSolid(scene, b)->free->now;
 }
 
 void SceneRestore(Scene scene)
 {
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMass(scene->solid[b]) > 0) scene->solid[b]->free->now = scene->solid[b]->free->saved;
+  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+    if (BodyMass(SceneSolid(scene, b)) > 0) SceneSolid(scene, b)->free->now = SceneSolid(scene, b)->free->saved;
 }

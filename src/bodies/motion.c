@@ -1,5 +1,5 @@
 /* Prescribed motion of solids. It is a function of the time alone, so a checkpoint does not store it; free bodies,
-   whose state a checkpoint stores, are in free.c. A point of the solid moves as
+   whose state a checkpoint stores, are in rigid.c. A point of the solid moves as
 
      x(t) = c + s(t) + R(t) (X - c),  s(t) = velocity t + amplitude (sin(w t + phase) - sin(phase)) + table(t),
 
@@ -7,7 +7,8 @@
    the rotation by the angle |rate| t about the direction of the rate, or by that of the table about its axis. The table
    is a file of lines t, x, y (and z), and perhaps an angle. A cubic curve connects its points, monotone between two
    of them, with velocity zero at the first and the last point; before and after them the displacement is constant. */
-#include "scene_impl.h"
+#include "bodies_impl.h"
+#include "../scene/body.h"
 #include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -130,7 +131,7 @@ static void Back(const struct _p_Motion *m, const PetscReal shift[DIM], const Pe
   }
 }
 
-const OptionRow MotionOptions[] = {
+static const OptionRow MotionOptions[] = {
   {"-velocity", "Velocity of the solid", "m/s", NULL, ROW_DIRECTION, offsetof(struct _p_Motion, velocity)},
   {"-oscillation_amplitude", "Amplitude a of an oscillation a (sin(2 pi f t + phase) - sin(phase))", "m", NULL,
    ROW_DIRECTION, offsetof(struct _p_Motion, amplitude)},
@@ -153,27 +154,12 @@ const OptionRow MotionOptions[] = {
   {.name = NULL},
 };
 
-PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
+static PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(&body->motion));
   PetscCall(DomainReadOptions(body->domain, PetscOptionsObject, MotionOptions, "SceneSetFromOptions", body->motion));
   PetscCall(FreeSetFromOptions(body, PetscOptionsObject));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM])
-{
-  const PetscBool flat = (PetscBool)(domain->dim == 2);
-
-  PetscFunctionBegin;
-  PetscCheckUser(given->count == 0 || given->count == DIM || (flat && given->count == 1), domain->comm,
-                 "-%srotation_rate must have %s", prefix,
-                 flat ? "one number, or three numbers of which the first two are 0" : "three numbers");
-  for (PetscInt d = 0; d < DIM; d++) rate[d] = given->count == DIM ? given->value[d] : 0;
-  if (given->count == 1) rate[2] = given->value[0];
-  PetscCheckUser(!flat || (rate[0] == 0 && rate[1] == 0), domain->comm,
-                 "-%srotation_rate must be about z in two dimensions: its first two numbers must be 0", prefix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -307,7 +293,7 @@ static PetscErrorCode ShareTable(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MotionDestroy(Body body)
+static PetscErrorCode MotionDestroy(Body body)
 {
   PetscFunctionBegin;
   if (body->motion) PetscCall(PetscFree(body->motion->table));
@@ -316,7 +302,15 @@ PetscErrorCode MotionDestroy(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MotionSetUp(Body body)
+static void MotionSetTime(Body body, PetscReal time)
+{
+  struct _p_Motion *m = body->motion;
+
+  Pose(body, time, m->shift, m->turn);
+  if (body->free) FreeSetTime(body, m->shift, m->turn);
+}
+
+static PetscErrorCode MotionSetUp(Body body)
 {
   Domain            domain = body->domain;
   struct _p_Motion *m      = body->motion;
@@ -356,26 +350,17 @@ PetscErrorCode MotionSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MotionSetTime(Body body, PetscReal time)
-{
-  struct _p_Motion *m = body->motion;
-
-  if (!m) return;
-  Pose(body, time, m->shift, m->turn);
-  if (body->free) FreeSetTime(body, m->shift, m->turn);
-}
-
-void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
+static void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
 {
   Back(body->motion, body->motion->shift, body->motion->turn, x, y);
 }
 
 /* Of a table: for each of its numbers the rows where it is least and largest, and the middle of its fastest step. */
-void MotionMoments(Body body, Moments *moments)
+static void MotionMoments(Body body, Moments *moments)
 {
   const struct _p_Motion *m = body->motion;
 
-  if (!m || body->free) return;
+  if (body->free) return;
   MomentAdd(moments, moments->start);
   MomentAdd(moments, moments->end);
   MomentPeriod(moments, Norm(m->amplitude) > 0 ? m->frequency : 0, moments->start);
@@ -402,13 +387,21 @@ void MotionMoments(Body body, Moments *moments)
   }
 }
 
-PetscErrorCode MotionView(Body body, PetscViewer viewer)
+static PetscErrorCode MotionView(Body body, PetscBool tension, PetscViewer viewer)
 {
   const struct _p_Motion *m = body->motion;
 
   PetscFunctionBegin;
-  if (body->free) PetscCall(FreeView(body, viewer));
-  if (!m || body->free) PetscFunctionReturn(PETSC_SUCCESS);
+  if (body->free) {
+    PetscCall(FreeView(body, viewer));
+    if (tension)
+      PetscCall(PetscViewerASCIIPrintf(viewer,
+                                       "  warning: the force of surface tension on %s at its contact lines is not "
+                                       "computed; in a plane it is up to 2 sigma, which must be small against the "
+                                       "weight\n",
+                                       body->name));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer,
                                    "moves: velocity %g, %g, %g m/s, oscillation %g, %g, %g m at %g Hz, rotation %g, "
@@ -420,11 +413,6 @@ PetscErrorCode MotionView(Body body, PetscViewer viewer)
                                    m->rows ? ", as in " : "", m->file.path));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool BodyMoves(Body solid)
-{
-  return (PetscBool)(solid->motion != NULL);
 }
 
 /* Unset numbers are zero, so the bytes before 'rows' can be compared; the name of the file stands for the table. */
@@ -449,13 +437,11 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
   }
 }
 
-void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+static void MotionVelocity(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const struct _p_Motion *m = solid->motion;
   PetscReal               shift[DIM], turn[DIM][DIM], rate[DIM], r[DIM], turned[DIM];
 
-  for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
-  if (!m) return;
   if (solid->free) {
     FreePose(solid, time, shift, turn);
     FreeVelocity(solid, v, rate);
@@ -464,24 +450,6 @@ void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[
   for (PetscInt d = 0; d < DIM; d++) r[d] = x[d] - m->center[d] - shift[d];
   Cross(rate, r, turned);
   for (PetscInt d = 0; d < DIM; d++) v[d] += turned[d];
-}
-
-PetscBool SceneSolidsMove(Scene scene)
-{
-  for (PetscInt b = 0; b < scene->solids; b++)
-    if (BodyMoves(scene->solid[b])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-void SceneMoveSolids(Scene scene, PetscReal time)
-{
-  scene->solid_time = time;
-  for (PetscInt b = 0; b < scene->solids; b++) MotionSetTime(scene->solid[b], time);
-}
-
-PetscReal SceneSolidTime(Scene scene)
-{
-  return scene->solid_time;
 }
 
 /* The largest speed (m/s) of the table with an arm (m), from samples. */
@@ -507,12 +475,11 @@ static PetscReal TurningSpeed(const PetscReal rate[DIM], const PetscReal arm[DIM
 }
 
 /* Adds the speeds of velocity, oscillation, rotation at the farthest corner, and table. */
-PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
+static PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upper[DIM])
 {
   const struct _p_Motion *m        = body->motion;
   PetscReal               arm[DIM] = {0, 0, 0}, velocity[DIM], rate[DIM];
 
-  if (!m) return 0;
   for (PetscInt d = 0; d < body->domain->dim; d++)
     arm[d] = PetscMax(PetscAbsReal(lower[d] - m->center[d]), PetscAbsReal(upper[d] - m->center[d]));
   if (body->free) {
@@ -521,3 +488,16 @@ PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscReal upp
   }
   return Norm(m->velocity) + m->w * Norm(m->amplitude) + TurningSpeed(m->rate, arm) + TableSpeed(m, Norm(arm));
 }
+
+const MotionOps SolidMotion = {.rows     = {MotionOptions, FreeOptions},
+                               .data     = {offsetof(struct _p_Body, motion), offsetof(struct _p_Body, free)},
+                               .read     = MotionSetFromOptions,
+                               .setup    = MotionSetUp,
+                               .destroy  = MotionDestroy,
+                               .check    = FreeCheck,
+                               .view     = MotionView,
+                               .move     = MotionSetTime,
+                               .back     = MotionBack,
+                               .velocity = MotionVelocity,
+                               .speed    = MotionSpeed,
+                               .moments  = MotionMoments};

@@ -1,0 +1,47 @@
+/* What a gauge provides, for those who make one, here or in the folder of an edge. */
+#ifndef ISPH_GAUGE_COLUMNS_H
+#define ISPH_GAUGE_COLUMNS_H
+
+#include "gauges.h"
+
+/* A growing list of rows. */
+typedef struct {
+  PetscInt count, capacity;
+  Column  *row;
+} ColumnList;
+
+/* A table of its own that a gauge fills. */
+typedef struct {
+  const char *file;
+  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list); /* adds none: no table is written */
+  PetscErrorCode (*rows)(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values);
+  PetscBool events; /* it has rows at the times of the series, not of the snapshots */
+} GaugeTable;
+
+/* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. data: 'bytes' bytes of its own, zero at
+   first. */
+typedef struct {
+  size_t           bytes;
+  const OptionRow *options;                                                          /* read into the data */
+  void (*defaults)(Gauges gauges, void *data);                                       /* before */
+  PetscErrorCode (*more)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* reads what the table has not */
+  PetscErrorCode (*check)(Gauges gauges, void *data); /* refuses bad values, after the block */
+  PetscErrorCode (*view)(Gauges gauges, const void *data, PetscViewer viewer);
+  PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list);   /* adds its rows of the series */
+  PetscErrorCode (*measure)(Gauges gauges, const void *data, PetscReal values[]); /* of the simulated part */
+  PetscBool         needs_sums;          /* 'measure' reads fields that OperatorsMoments and TensionApply write */
+  const GaugeTable *tables;              /* the last has no file */
+  PetscErrorCode (*destroy)(void *data); /* what the data point to */
+} GaugeKind;
+
+/* ColumnAdd - adds a row; the name is printed by the format. ColumnAddVector - adds a row for each of the components
+   first .. last of a vector, named "<name>_x" or "x" if the name is empty. Not collective. */
+PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...);
+PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
+
+/* GaugesCloud - borrowed. GaugeWallFace - the number of wall faces of the box, which are the first receivers of forces;
+   direction and side are those of wall face 'index', if it exists. Not collective. */
+Cloud    GaugesCloud(Gauges gauges);
+PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
+
+#endif

@@ -1,0 +1,113 @@
+/* The parts of a body, for what makes them: shapes, velocity fields, viscosities, types, motions. Each is a table of
+   functions with data in the body. */
+#ifndef ISPH_BODY_H
+#define ISPH_BODY_H
+
+#include "scene.h"
+
+#define SCENE_NAME_LENGTH OPTION_WORD_LENGTH
+#define BODY_HOLES_MOST   16
+
+/* A shape. */
+typedef struct {
+  Choice choice;
+  /* Signed distance of x (m), negative inside. The sign is exact; the absolute value may be less than the distance. */
+  PetscReal (*distance)(Body body, const PetscReal x[DIM]);
+  void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* bounds of the shape, m */
+  void (*displace)(Body body, PetscReal x[DIM]);                         /* see BodyDisplace; NULL: not at all */
+  PetscReal (*wave)(Body body); /* wavelength of the surface, m; 0 or NULL: no waves */
+} ShapeOps;
+
+/* An initial velocity field, added to the uniform part -<b>_velocity. */
+typedef struct {
+  Choice choice;
+  void (*add)(Body body, const PetscReal x[DIM], PetscReal v[DIM]); /* adds to v (m/s) at x (m); NULL: zero */
+} VelocityOps;
+
+/* A viscosity model. */
+typedef struct {
+  Choice choice;
+  PetscReal (*at)(Body body, PetscReal rate); /* mu (Pa s) at a shear rate (1/s); NULL: constant */
+} ViscosityOps;
+
+/* Moments of SceneMoments. MomentAdd - adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the
+   eighths of the first period of an oscillation with this frequency (Hz; 0: none) from a time (s): where it and its
+   rate are extreme, and between. Not collective. */
+typedef struct {
+  PetscReal  start, end; /* s, of the run */
+  PetscInt   most, n;
+  PetscReal *time; /* [n] s */
+} Moments;
+
+static inline void MomentAdd(Moments *moments, PetscReal time)
+{
+  for (PetscInt k = 0; k < moments->n; k++)
+    if (moments->time[k] == time) return;
+  if (time >= moments->start && time <= moments->end && moments->n < moments->most) moments->time[moments->n++] = time;
+}
+
+static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
+{
+  for (PetscInt k = 0; k < 8 && frequency > 0; k++)
+    MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
+}
+
+/* A type of body. Liquid that is there from the start has none of these functions. */
+typedef struct {
+  Choice choice;
+  PetscBool (*holds)(Body body, const PetscReal x[DIM], PetscReal behind); /* see BodyHolds */
+  void (*moments)(Body body, Moments *moments);                            /* adds those of the body */
+} BodyTypeOps;
+
+/* How solids move (bodies/). All are called for solids alone, those behind 'destroy' for one that moves. */
+typedef struct {
+  const OptionRow *rows[2]; /* tables of its options, and where in the body their data are, bytes */
+  size_t           data[2];
+  PetscErrorCode (*read)(Body solid, OptionItems items);
+  PetscErrorCode (*setup)(Body solid); /* refuses contradictions; frees the data of a solid at rest */
+  PetscErrorCode (*destroy)(Body solid);
+  PetscErrorCode (*check)(Body solid, PetscReal density); /* density: the largest one of the liquids, kg/m3 */
+  PetscErrorCode (*view)(Body solid, PetscBool tension, PetscViewer viewer);
+  void (*move)(Body solid, PetscReal time); /* to its position at a time (s) */
+  void (*back)(Body solid, const PetscReal x[DIM],
+               PetscReal y[DIM]); /* y (m): where the point at x was at the time 0 */
+  void (*velocity)(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]); /* see BodyMotion */
+  PetscReal (*speed)(Body solid, const PetscReal lower[DIM],
+                     const PetscReal upper[DIM]); /* bound of it in a box, m/s */
+  void (*moments)(Body solid, Moments *moments);
+} MotionOps;
+
+struct _p_Body {
+  Domain              domain; /* borrowed */
+  char                name[SCENE_NAME_LENGTH];
+  char                prefix[SCENE_NAME_LENGTH + 1]; /* of the options: the name and an underscore */
+  char                shape_type[SCENE_NAME_LENGTH];
+  char                velocity_type[SCENE_NAME_LENGTH];
+  const ShapeOps     *shape;
+  const VelocityOps  *velocity;
+  void               *shape_data; /* the shape's own struct, freed with PetscFree */
+  PetscInt            holes;
+  struct _p_Body     *hole[BODY_HOLES_MOST]; /* shapes that are cut out; they have a shape only */
+  void               *velocity_data;         /* as shape_data */
+  char                viscosity_type[SCENE_NAME_LENGTH];
+  const ViscosityOps *viscosity;      /* NULL of a solid */
+  void               *viscosity_data; /* as shape_data */
+  PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
+  Material            material;
+  char                type[SCENE_NAME_LENGTH];
+  const BodyTypeOps  *kind;               /* NULL of a solid */
+  void               *emitter;            /* data of the type, as shape_data; NULL: liquid from the start */
+  PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
+  PetscReal           contact_hysteresis; /* of a solid, degrees */
+  struct _p_Motion   *motion;             /* of a solid that can move; else NULL */
+  struct _p_Free     *free;               /* of a free body; else NULL */
+};
+
+/* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */
+PetscReal ShapeDistance(Body body, const PetscReal x[DIM]);
+/* RateCheck - completes the numbers of -<prefix>rotation_rate to a vector (rad/s), zero without numbers, and refuses
+   (UserError) numbers that are no angular velocity. Collective. */
+PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM]);
+#define SPEED_MAX 1e5 /* m/s, of a solid: some seventy times the speed of sound in water */
+
+#endif
