@@ -7,8 +7,8 @@
 /* Free bodies, solids with -<s>_mass. A motion is a velocity (m/s), then an angular velocity (rad/s). An angular
    impulse about the centre of mass (N m s) follows an impulse (N s), and a torque (N m) follows a force (N).
 
-   SceneHasFree - whether the scene has a free body. SceneDriven - whether a solid has a prescribed motion. BodyMass -
-   mass (kg; kg/m in two dimensions); 0: the solid is not free.
+   SceneHasFree - whether the scene has a free body. BodyMass - mass (kg; kg/m in two dimensions); 0: the solid is not
+   free.
 
    FreeMotion - centre of mass (m) and motion at the time of SceneMoveSolids. FreeResponse - the change of the motion by
    an impulse at that time. FreePush - applies an impulse at that time, which 'time' must equal; the body moves on with
@@ -34,7 +34,6 @@ PetscReal  FreeKinetic(Body solid);
 PetscReal *FreeNumbers(Body solid, PetscInt *count);
 void       SceneStart(Scene scene, PetscReal time);
 void       SceneFreeze(Scene scene, PetscBool frozen);
-PetscBool  SceneDriven(Scene scene);
 void       SceneSave(Scene scene);
 void       SceneRestore(Scene scene);
 

@@ -384,13 +384,6 @@ void SceneFreeze(Scene scene, PetscBool frozen)
     }
 }
 
-PetscBool SceneDriven(Scene scene)
-{
-  for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
-    if (SceneSolid(scene, b)->motion && BodyMass(SceneSolid(scene, b)) == 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 void SceneSave(Scene scene)
 {
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++)

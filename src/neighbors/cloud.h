@@ -157,10 +157,9 @@ static inline PetscInt CloudLevel(Cloud cloud, PetscInt a)
 }
 
 /* RowVisitor - called by CloudSearch for each owned particle a as soon as its row is found, while the row is in the
-   cache. w ([n]): KernelSingle's values of W; slope_over_r2 ([n]): its F over r2/h2 + eta2/h2; both times the weight of
-   the neighbour, like the cloud's slope. The row is padded to a multiple of eight with pairs of weight zero (see
-   PairRowLoadFactors). */
-typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context);
+   cache. w ([n]): KernelSingle's values of W times the weight of the neighbour, like the cloud's slope. The row is
+   padded to a multiple of eight with pairs of weight zero (see PairRowLoadFactors). */
+typedef void (*RowVisitor)(Cloud cloud, PetscInt a, const float w[], void *context);
 /* CloudSearch - finds, at the positions of the cloud, the neighbours of each owned particle (all particles within the
    kernel's support), the factors of the pairs, and weight, length and relative_weight, ghosts too. visit may be NULL.
    Not collective. */

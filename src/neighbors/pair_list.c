@@ -88,14 +88,12 @@ void FindWeights(Cloud cloud)
   }
 }
 
-void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w, float *restrict slope_over_r2,
-               float *restrict slope)
+void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float *restrict w, float *restrict slope)
 {
   for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
     const SimdSingle share = __builtin_convertvector(SimdGather(cloud->relative_weight, list + k), SimdSingle);
 
     if (w) SimdScaleSingle(share, w + k);
-    SimdScaleSingle(share, slope_over_r2 + k);
     SimdScaleSingle(share, slope + k);
   }
 }

@@ -109,8 +109,7 @@ INSTANCE PetscInt FindNeighbors(PetscBool sized, PetscBool flat, Cloud cloud, Se
    Laplacian factors are in units of search->unit; returns their sum. -F is largest at r = 0, so all fit into sixteen
    bits. */
 INSTANCE PetscInt PairFactors(PetscBool sized, PetscBool flat, Cloud cloud, Search *search, PetscInt a, PetscInt n,
-                              float *restrict w, float *restrict slope_over_r2, float *restrict slope,
-                              uint16_t *restrict laplacian)
+                              float *restrict w, float *restrict slope, uint16_t *restrict laplacian)
 {
   const float eta2 = ETA_OVER_H * ETA_OVER_H, inverse = 1 / search->unit, own = sized ? (float)cloud->size[a] : 1,
               own_weight = flat ? own * own : own * own * own;
@@ -135,8 +134,7 @@ INSTANCE PetscInt PairFactors(PetscBool sized, PetscBool flat, Cloud cloud, Sear
 
       if (w && sized) w[k] *= q_dim * weight;
       if (sized) slope[k] = steep * weight;
-      slope_over_r2[k] = over * q2 * weight;
-      laplacian[k]     = (uint16_t)code;
+      laplacian[k] = (uint16_t)code;
       sum += code;
     }
   }
@@ -149,7 +147,7 @@ INSTANCE PetscErrorCode FindRows(PetscBool sized, PetscBool flat, Cloud cloud, S
 {
   const PetscInt most = ROW_CAPACITY + LANES;
   PetscInt64     used = 0; /* pairs */
-  float          w[ROW_CAPACITY + LANES], slope_over_r2[ROW_CAPACITY + LANES];
+  float          w[ROW_CAPACITY + LANES];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
@@ -161,11 +159,10 @@ INSTANCE PetscErrorCode FindRows(PetscBool sized, PetscBool flat, Cloud cloud, S
     PetscCall(RowCheck(cloud, a, found));
     PadRow(a, found, cloud->list + used, search->s);
     for (PetscInt k = found; k < found + LANES && sized; k++) search->size[k] = 1;
-    cloud->laplacian_sum[a] = PairFactors(sized, flat, cloud, search, a, found, visit ? w : NULL, slope_over_r2,
-                                          cloud->slope + used, cloud->laplacian + used);
-    if (CloudWeighs(cloud))
-      WeightRow(cloud, found, cloud->list + used, visit ? w : NULL, slope_over_r2, cloud->slope + used);
-    used = RowEnd(cloud, a, used, found, w, slope_over_r2, visit, context);
+    cloud->laplacian_sum[a] =
+      PairFactors(sized, flat, cloud, search, a, found, visit ? w : NULL, cloud->slope + used, cloud->laplacian + used);
+    if (CloudWeighs(cloud)) WeightRow(cloud, found, cloud->list + used, visit ? w : NULL, cloud->slope + used);
+    used = RowEnd(cloud, a, used, found, w, visit, context);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

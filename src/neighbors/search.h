@@ -107,7 +107,7 @@ PetscInt DropWallPairs(const PetscInt layer[], PetscInt n, const PetscInt list[]
 /* FindWeights - computes the cloud's weight, length and relative_weight, ghosts too. WeightRow - multiplies the factors
    of a row, which are for a relative_weight of 1, by that of the neighbours. Not collective. */
 void FindWeights(Cloud cloud);
-void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope_over_r2[], float slope[]);
+void WeightRow(Cloud cloud, PetscInt n, const PetscInt list[], float w[], float slope[]);
 /* Blocks of a level's grid, of SPLIT cells along x, and some layers of blocks around it: the largest sizes of the
    particles that may form pairs with a particle in the block; 0: none. */
 typedef struct {
@@ -185,13 +185,13 @@ static inline PetscErrorCode RowCheck(Cloud cloud, PetscInt a, PetscInt found)
 /* RowEnd - closes the row of particle a, whose 'found' pairs and factors follow 'used' earlier pairs, and calls the
    visitor. Returns the number of pairs used now. Not collective. */
 static inline PetscInt64 RowEnd(Cloud cloud, PetscInt a, PetscInt64 used, PetscInt found, const float w[],
-                                const float slope_over_r2[], RowVisitor visit, void *context)
+                                RowVisitor visit, void *context)
 {
   if (a >= cloud->n_fluid)
     cloud->laplacian_sum[a] =
       DropWallPairs(cloud->integer[INT_LAYER], found, cloud->list + used, cloud->laplacian + used);
   cloud->first[a + 1] = used + found;
-  if (visit) visit(cloud, a, w, slope_over_r2, context);
+  if (visit) visit(cloud, a, w, context);
   return used + found;
 }
 

@@ -73,7 +73,7 @@ typedef struct {
   PetscReal scale_w, scale_f; /* of KernelScales */
   PetscReal ratio;            /* scale_w/W(d0) */
   PetscBool viscous;          /* the viscous term is wanted */
-  PetscReal nu, friction;     /* mu/rho, m2/s; zeta V 2 nu scale_f/h2, 1/(m2 s) */
+  PetscReal nu, friction;     /* mu/rho, m2/s; zeta V 2 nu scale_f, m^-4/s */
 } Scales;
 
 /* (s_ab/s_b)^dim of SIMD_WIDTH neighbours of a graded particle; s_ab is the mean of both sizes. It turns V_b W_ab into
@@ -83,6 +83,14 @@ static inline Simd PairVolumeRatio(Cloud cloud, PetscInt a, const PetscInt list[
   const Simd other = SimdGather(cloud->size, list), ratio = 0.5 * (SimdSet(cloud->size[a]) + other) / other;
 
   return cloud->domain->dim == 2 ? ratio * ratio : ratio * ratio * ratio;
+}
+
+/* s_ab^2 of SIMD_WIDTH neighbours. */
+static inline Simd SquareOfSize(Cloud cloud, PetscInt a, const PetscInt list[])
+{
+  const Simd size = 0.5 * (SimdSet(cloud->size[a]) + SimdGather(cloud->size, list));
+
+  return size * size;
 }
 
 /* Adds the lanes up and stores all sums of row a but the viscous term. In two dimensions there are two thirds of them.
@@ -109,7 +117,7 @@ static inline void StoreMoments(PetscBool flat, Cloud cloud, PetscInt a, const S
 /* Computes all sums of row a: FIELD_DENSITY, FIELD_NORMAL, FIELD_CROWDING, the moments in FIELD_CORRECTION and, if
    'viscous', the viscous term in FIELD_ACCELERATION. */
 static inline void SumMoments(PetscBool flat, PetscBool graded, PetscBool viscous, Cloud cloud, PetscInt a,
-                              const float w[], const float slope_over_r2[], const Scales *scales)
+                              const float w[], const Scales *scales)
 {
   const PetscReal *x = cloud->field[FIELD_POSITION], *v = cloud->field[FIELD_VELOCITY];
   const PetscInt  *list = cloud->list + cloud->first[a], n = (PetscInt)(cloud->first[a + 1] - cloud->first[a]);
@@ -143,10 +151,11 @@ static inline void SumMoments(PetscBool flat, PetscBool graded, PetscBool viscou
       off.y += fx * d.z;
       off.z += fy * d.z;
     }
-    if (viscous) { /* Eq. (1) of Kuri et al. */
+    if (viscous) { /* VISCOSITY_MOMENT */
       const Simd3 u = Simd3Difference(flat, own, Simd3Collect(flat, v, &at));
-      Simd        c = SimdLoadSingle(slope_over_r2 + k) * Simd3Dot(flat, u, d);
+      Simd        c = f * Simd3Dot(flat, u, d);
 
+      if (graded) c /= SquareOfSize(cloud, a, list + k);
       if (flat && rings) c *= along * SimdAbs(2 * p.x - d.x); /* DomainPairLength over the ring's own */
       Simd3Add(flat, &friction, c, d);
     }
@@ -161,22 +170,22 @@ static inline void SumMoments(PetscBool flat, PetscBool graded, PetscBool viscou
 }
 
 /* Five instances of one text. */
-static void MomentsRow(Cloud cloud, PetscInt a, const float w[], const float slope_over_r2[], void *context)
+static void MomentsRow(Cloud cloud, PetscInt a, const float w[], void *context)
 {
   const Scales   *scales  = (const Scales *)context;
   const PetscBool viscous = (PetscBool)(scales->viscous && a < cloud->n_fluid);
   const PetscBool flat    = (PetscBool)(cloud->domain->dim == 2);
 
   if (cloud->domain->graded && flat)
-    SumMoments(PETSC_TRUE, PETSC_TRUE, viscous, cloud, a, w, slope_over_r2, scales);
+    SumMoments(PETSC_TRUE, PETSC_TRUE, viscous, cloud, a, w, scales);
   else if (cloud->domain->graded)
-    SumMoments(PETSC_FALSE, PETSC_TRUE, viscous, cloud, a, w, slope_over_r2, scales);
+    SumMoments(PETSC_FALSE, PETSC_TRUE, viscous, cloud, a, w, scales);
   else if (flat)
-    SumMoments(PETSC_TRUE, PETSC_FALSE, viscous, cloud, a, w, slope_over_r2, scales);
+    SumMoments(PETSC_TRUE, PETSC_FALSE, viscous, cloud, a, w, scales);
   else if (scales->viscous)
-    SumMoments(PETSC_FALSE, PETSC_FALSE, viscous, cloud, a, w, slope_over_r2, scales);
+    SumMoments(PETSC_FALSE, PETSC_FALSE, viscous, cloud, a, w, scales);
   else
-    SumMoments(PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, cloud, a, w, slope_over_r2, scales);
+    SumMoments(PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, cloud, a, w, scales);
 }
 
 /* Computes FIELD_LAMBDA from the moments M in FIELD_CORRECTION, and replaces M by B. */
@@ -235,16 +244,16 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   const Material *liquid = BodyMaterial(SceneBody(cloud->scene, 0));
   const PetscReal d2     = PetscSqr(cloud->domain->spacing);
   Scales          scales = {.V = cloud->domain->volume, .self = KernelSelf(cloud->kernel)};
-  PetscReal       inverse_h2, at_spacing;
+  PetscReal       at_spacing, inverse_h2;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scales.scale_w, &scales.scale_f, &inverse_h2);
   KernelEvaluate(cloud->kernel, 1, &d2, &at_spacing, NULL);
-  scales.ratio    = scales.scale_w / at_spacing;
-  scales.viscous  = (PetscBool)(viscosity != NULL);
-  scales.nu       = liquid->viscosity / liquid->density;
-  scales.friction = (PetscReal)(cloud->domain->dim + 2) * scales.V * 2 * liquid->viscosity / liquid->density *
-                    scales.scale_f * inverse_h2;
+  scales.ratio   = scales.scale_w / at_spacing;
+  scales.viscous = (PetscBool)(viscosity != NULL);
+  scales.nu      = liquid->viscosity / liquid->density;
+  scales.friction =
+    viscosity ? OperatorsViscosityFactor(cloud, VISCOSITY_MOMENT) * scales.V * 2 * scales.nu * scales.scale_f : 0;
   PetscCall(CloudSearch(cloud, MomentsRow, &scales));
   PetscCall(WallDensities(cloud));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));

@@ -2,6 +2,10 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
+#define MOMENT_POINTS 500 /* of the kernel's moment, exact to 1e-5 */
+#define SHEETS                                                                                                         \
+  3                            /* of Deficit: sheets of 1 to 20 particles resist a stretch in their plane within 5 %,  \
+                                 whatever the kernel, both ways within 16 % */
 #define PLANE_POINTS    64     /* of the integral over a layer of dummy particles */
 #define MOMENT_OFF_MOST 0.03   /* largest deviation of a second moment from 1: see SecondMoment */
 #define SMALLEST        1e-300 /* added to a divisor that is zero between liquids without viscosity */
@@ -20,6 +24,12 @@ static PetscReal SecondMoment(Cloud cloud, PetscInt a)
   return PetscMax(1 - MOMENT_OFF_MOST, PetscMin(1 + MOMENT_OFF_MOST, cloud->domain->dim / trace));
 }
 
+/* Whether the force of a pair acts along the line of centres. */
+static inline PetscBool IsCentral(ViscosityForm form)
+{
+  return (PetscBool)(form != VISCOSITY_MORRIS);
+}
+
 /* mu: viscosity of each particle, Pa s, in the form of Morris over its second moment. Walls have -1: they take the
    viscosity of their neighbour. Collective. */
 static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, PetscReal mu[])
@@ -33,16 +43,36 @@ static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, 
 
     mu[a] = body < 0 ? -1 : varies ? stored[a] : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
   }
-  if (viscosity->form == VISCOSITY_CLEARY) PetscFunctionReturn(PETSC_SUCCESS);
+  if (IsCentral(viscosity->form)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) mu[a] /= SecondMoment(cloud, a);
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, mu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factor zeta of the form: see ViscosityForm. */
-static PetscReal FormFactor(Cloud cloud, ViscosityForm form)
+/* The second moment of the kernel, int r^2 W (m2). */
+static PetscReal KernelMoment(Cloud cloud)
 {
+  const PetscReal support = KernelSupport(cloud->kernel);
+  PetscReal       r2[MOMENT_POINTS], W[MOMENT_POINTS], moment = 0;
+
+  for (PetscInt m = 0; m < MOMENT_POINTS; m++) r2[m] = PetscSqr(support * (m + 0.5) / MOMENT_POINTS);
+  KernelEvaluate(cloud->kernel, MOMENT_POINTS, r2, W, NULL);
+  for (PetscInt m = 0; m < MOMENT_POINTS; m++)
+    moment += (cloud->domain->dim == 3 ? 4 * PETSC_PI * r2[m] : 2 * PETSC_PI * PetscSqrtReal(r2[m])) * r2[m] * W[m];
+  return moment * support / MOMENT_POINTS;
+}
+
+PetscReal OperatorsViscosityFactor(Cloud cloud, ViscosityForm form)
+{
+  if (form == VISCOSITY_MOMENT) return cloud->domain->dim / KernelMoment(cloud);
   return form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
+}
+
+/* What a pair counts in a flow along a wall; along2: the square of its extent along the wall, r2: of its distance. */
+static PetscReal FormWeight(ViscosityForm form, PetscReal along2, PetscReal r2)
+{
+  if (form == VISCOSITY_MOMENT) return along2;
+  return form == VISCOSITY_CLEARY ? along2 / r2 : 1;
 }
 
 /* Tabulates the wall factor over the distance from a flat wall, whose layers of dummy particles begin half a spacing
@@ -68,7 +98,7 @@ void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity)
       for (PetscInt m = 0; m < PLANE_POINTS; m++) {
         const PetscReal rho2 = r2[m] - z * z, part = -F[m] * reach *
                                                      (cloud->domain->dim == 3 ? PetscSqrtReal(rho2) : 1) *
-                                                     (viscosity->form == VISCOSITY_CLEARY ? rho2 / (r2[m] + eta2) : 1);
+                                                     FormWeight(viscosity->form, rho2, r2[m] + eta2);
 
         sum += part;
         moment += part * depth;
@@ -114,10 +144,10 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
 
 /* The viscous term as a sum over pairs, Eq. (1) of Kuri et al.: a particle's acceleration is
 
-     cleary   sum c_ab (v_ab . r_ab) r_ab       morris   sum c_ab v_ab
+     moment, cleary   sum c_ab (v_ab . r_ab) r_ab       morris   sum c_ab v_ab
 
    Coefficients computes the c_ab. Explicit steps sum them row by row; implicit steps keep them for all products. For
-   one liquid and explicit steps in the form of Cleary, moments.c has the same c_ab, a constant, and sums it during the
+   one liquid and explicit steps of VISCOSITY_MOMENT, moments.c has the same c_ab, a constant, and sums it during the
    search; OperatorsViscosityRemainder adds what that sum omits. */
 typedef struct {
   const Viscosity *viscosity;
@@ -131,16 +161,20 @@ typedef struct {
 
 #define IS_WALL (-1) /* in place of a deficit */
 
-/* deficit: [n_total] max(0, FILLED_FRACTION/s - 1) with the filled fraction s = sum V W of a particle's kernel; 0 if
-   missing neighbours do not count. */
-static void FindDeficits(Cloud cloud, PetscBool count, PetscReal deficit[])
+/* Of a particle whose kernel is filled to s = sum V W: what its pairs with its like count more. In VISCOSITY_MOMENT far
+   pairs count most, and more of these are missing. */
+static PetscReal Deficit(ViscosityForm form, PetscReal s)
+{
+  return PetscMax(0, form == VISCOSITY_MOMENT ? SHEETS * (FILLED_FRACTION - s) : FILLED_FRACTION / s - 1);
+}
+
+/* deficit: [n_total]; 0 if missing neighbours do not count. */
+static void FindDeficits(Cloud cloud, ViscosityForm form, PetscBool count, PetscReal deficit[])
 {
   const PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
 
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    deficit[a] = cloud->integer[INT_LAYER][a] ? IS_WALL
-                 : count                      ? PetscMax(0, FILLED_FRACTION * rest[a] / rho[a] - 1)
-                                              : 0;
+    deficit[a] = cloud->integer[INT_LAYER][a] ? IS_WALL : count ? Deficit(form, rho[a] / rest[a]) : 0;
 }
 
 /* filled: missing neighbours count, if density is the rest density. Collective. */
@@ -153,13 +187,13 @@ static PetscErrorCode FrictionBegin(Cloud cloud, const Viscosity *viscosity, con
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   *f = (Friction){.viscosity  = viscosity,
                   .density    = density,
-                  .one_liquid = (PetscBool)(density == cloud->rest_density && viscosity->form == VISCOSITY_CLEARY &&
+                  .one_liquid = (PetscBool)(density == cloud->rest_density && IsCentral(viscosity->form) &&
                                             OperatorsOneLiquid(cloud)),
-                  .scale      = FormFactor(cloud, viscosity->form) * cloud->domain->volume * scale_f};
+                  .scale      = OperatorsViscosityFactor(cloud, viscosity->form) * cloud->domain->volume * scale_f};
   PetscCall(CloudGetWork(cloud, 1, &f->mu));
   PetscCall(CollectViscosity(cloud, viscosity, f->mu));
   PetscCall(CloudGetWork(cloud, 1, &f->deficit));
-  FindDeficits(cloud, (PetscBool)(filled && density == cloud->rest_density), f->deficit);
+  FindDeficits(cloud, viscosity->form, (PetscBool)(filled && density == cloud->rest_density), f->deficit);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,7 +230,7 @@ static void LoadRemainder(Cloud cloud, const Friction *f, PetscInt a, PairRow *r
 
 /* Multiplies the pairs of fluid particle a with walls by 'factor', and those at rest density whose particles both miss
    neighbours so that the sum has the dissipation of the existing liquid. Without this a sheet of one, two or three
-   particles resists stretching with 0.53, 0.75 and 0.88 of its viscosity, on a lattice (test_operators). With
+   particles resists stretching with 0.44, 0.58 and 0.74 of its viscosity, on a lattice (test_operators). With
    f->kept the factors are what they exceed 1 by. */
 static void MultiplyFactors(const Friction *f, PetscInt a, PetscReal factor, PairRow *row)
 {
@@ -228,7 +262,7 @@ static void DivideByDistance(Cloud cloud, PetscInt a, PairRow *row)
 
 /* Loads the row of fluid particle a, whose pairs with walls count 'factor' times, with its coefficients
 
-     zeta m_b F (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), cleary: over r^2 + eta^2,
+     zeta m_b F (1/rho_a^2 + 1/rho_b^2) 2 mu_a mu_b/(mu_a + mu_b), cleary: over r^2 + eta^2, moment: over s_ab^2,
 
    with the neighbour's mass m_b = V_b rho_0b, also between liquids of different density. Rings: times the length of a
    ring at the pair's middle over the length of ring a. */
@@ -255,6 +289,8 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
     }
   }
   if (f->viscosity->form == VISCOSITY_CLEARY) DivideByDistance(cloud, a, row);
+  if (f->viscosity->form == VISCOSITY_MOMENT && cloud->domain->graded)
+    for (PetscInt k = 0; k < row->n; k++) row->f[k] /= PetscSqr(0.5 * (cloud->size[a] + cloud->size[row->index[k]]));
   if (cloud->domain->rings)
     for (PetscInt k = 0; k < row->n; k++)
       row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / cloud->length[a];
@@ -262,7 +298,7 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
 
 static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
 {
-  return f->viscosity->form == VISCOSITY_CLEARY ? OperatorsGrowthFriction(cloud, a, f->mu[a] / f->density[a]) : 0;
+  return IsCentral(f->viscosity->form) ? OperatorsGrowthFriction(cloud, a, f->mu[a] / f->density[a]) : 0;
 }
 
 /* The factor of v_r of ring a over that of v_r of ring b, in the form of Morris. Along the axis the sum is the
@@ -296,7 +332,7 @@ static inline void AddPairs(ViscosityForm form, const PetscInt index[], Simd f, 
   const SimdOffsets at = SimdLocate(index);
   const Simd3       u  = Simd3Difference(PETSC_FALSE, own, Simd3Collect(PETSC_FALSE, v, &at));
 
-  if (form == VISCOSITY_CLEARY) {
+  if (IsCentral(form)) {
     const Simd3 d = Simd3Difference(PETSC_FALSE, p, Simd3Collect(PETSC_FALSE, x, &at));
 
     Simd3Add(PETSC_FALSE, sum, f * Simd3Dot(PETSC_FALSE, u, d), d);
@@ -323,7 +359,7 @@ static inline void SumForm(Cloud cloud, ViscosityForm form, PetscInt a, PetscInt
 static void SumPairs(Cloud cloud, ViscosityForm form, PetscInt a, PetscInt n, const PetscInt index[],
                      const PetscReal c[], const PetscReal v[], PetscReal out[DIM])
 {
-  if (form == VISCOSITY_CLEARY)
+  if (IsCentral(form))
     SumForm(cloud, VISCOSITY_CLEARY, a, n, index, c, v, out);
   else
     SumForm(cloud, VISCOSITY_MORRIS, a, n, index, c, v, out);
@@ -375,8 +411,8 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
         d[i] = x[DIM * a + i] - x[DIM * b + i];
         u[i] = v[DIM * a + i] - v[DIM * b + i];
       }
-      if (viscosity->form == VISCOSITY_CLEARY) c *= Dot(u, d);
-      for (PetscInt i = 0; i < DIM; i++) drag[DIM * b + i] -= c * (viscosity->form == VISCOSITY_CLEARY ? d[i] : u[i]);
+      if (IsCentral(viscosity->form)) c *= Dot(u, d);
+      for (PetscInt i = 0; i < DIM; i++) drag[DIM * b + i] -= c * (IsCentral(viscosity->form) ? d[i] : u[i]);
     }
   }
   PetscCall(FrictionEnd(cloud, &f));
@@ -447,7 +483,7 @@ PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosit
                                           PetscReal diagonal[])
 {
   const PetscReal *x      = cloud->field[FIELD_POSITION];
-  const PetscBool  cleary = (PetscBool)(viscosity->form == VISCOSITY_CLEARY);
+  const PetscBool  cleary = IsCentral(viscosity->form);
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {

@@ -102,12 +102,10 @@ static PetscReal Stretch(const Region *region, PetscReal volume)
 static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level[], PetscReal ring_length,
                               PetscSegBuffer samples, PetscInt *id)
 {
-  const Domain             domain = packing->cloud->domain;
-  const Body               body   = SceneBody(packing->cloud->scene, b);
-  const unsigned long long seed   = (unsigned long long)packing->seed;
-  const PetscReal          jitter = LatticeJitter(packing);
-  Region                   region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
-  PetscReal                stretch;
+  const Domain domain = packing->cloud->domain;
+  const Body   body   = SceneBody(packing->cloud->scene, b);
+  Region       region = {.packing = packing, .dim = domain->dim, .body = b, .level = level};
+  PetscReal    stretch;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < domain->dim; d++) region.along[d] = PETSC_TRUE;
@@ -131,12 +129,10 @@ static PetscErrorCode AddBody(Packing packing, PetscInt b, const PetscReal level
     PetscCall(PetscArraycpy(sample.x, point->x, DIM));
     BodyDisplace(body, sample.x);
     sample.area *= length / DomainRingLength(domain, sample.x, sample.size); /* a displaced ring keeps its volume */
-    for (PetscInt d = 0; d < DIM; d++) {
-      if (point->fixed && region.along[d])
-        sample.x[d] +=
-          jitter * s * (2 * RandomUnit(seed, (unsigned long long)sample.id * DIM + (unsigned long long)d) - 1);
-    }
-    DomainConfine(domain, sample.x);
+    if (point->fixed)
+      LatticeShake(packing, s, &sample);
+    else
+      DomainConfine(domain, sample.x);
     PetscCall(SampleKeep(samples, &sample));
   }
   PetscCall(PetscFree(region.point));

@@ -152,54 +152,6 @@ static PetscErrorCode SetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the n particles of a file have the ids and bodies of the swarm's liquid. Collective. */
-static PetscErrorCode SameLiquid(Packing packing, const ParticleArrays *arrays, PetscInt n, const PetscInt body[],
-                                 PetscBool *same)
-{
-  const PetscInt *id = arrays->integer[INT_ID];
-
-  PetscFunctionBegin;
-  *same = (PetscBool)(n > 0 && n == packing->count);
-  for (PetscInt a = 0; a < arrays->n && *same; a++)
-    if (arrays->integer[INT_LAYER][a] == 0)
-      *same = (PetscBool)(id[a] < n && body[id[a]] == arrays->integer[INT_BODY][a]);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, same, 1, MPIU_BOOL, MPI_LAND, packing->cloud->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *found)
-{
-  const Cloud        cloud = packing->cloud;
-  ParticleArrays     arrays;
-  unsigned long long hash;
-  PetscInt           n = 0, *body = NULL;
-  PetscReal         *x = NULL;
-
-  PetscFunctionBegin;
-  PetscCall(PackingHash(packing, how, &hash));
-  if (packing->cache[0]) PetscCall(CacheRead(cloud, packing->cache, hash, &n, &x, &body));
-  PetscCall(ParticlesOpen(cloud->particles, &arrays));
-  PetscCall(SameLiquid(packing, &arrays, n, body, found));
-  for (PetscInt a = 0; a < arrays.n && *found; a++)
-    if (arrays.integer[INT_LAYER][a] == 0)
-      PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION] + DIM * a, x + DIM * arrays.integer[INT_ID][a], DIM));
-  PetscCall(ParticlesClose(cloud->particles, &arrays));
-  PetscCall(PetscFree(x));
-  PetscCall(PetscFree(body));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[])
-{
-  unsigned long long hash;
-
-  PetscFunctionBegin;
-  if (!packing->cache[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PackingHash(packing, how, &hash));
-  PetscCall(CacheWrite(packing->cloud->particles, packing->cloud->comm, packing->cache, hash, packing->count));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode PackingSetVelocities(Packing packing)
 {
   PetscFunctionBegin;

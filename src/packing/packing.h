@@ -27,11 +27,6 @@ PetscErrorCode PackingSetFromOptions(Packing packing);
    and density. Any number of ranks gives the same particles; lattices are the same to the last bit. Ends with
    CloudResync. Refuses (UserError) a scene without a fluid particle. Collective. */
 PetscErrorCode PackingRun(Packing packing, PackingReport *report);
-/* PackingFindRelaxed - takes the positions of this packing after the relaxation that the text 'how' describes, if the
-   cache has them. PackingKeepRelaxed - puts the present positions into the cache. Call both after PackingRun.
-   Collective. */
-PetscErrorCode PackingFindRelaxed(Packing packing, const char how[], PetscBool *found);
-PetscErrorCode PackingKeepRelaxed(Packing packing, const char how[]);
 /* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position; ends with
    CloudResync. Collective. */
 PetscErrorCode PackingSetVelocities(Packing packing);

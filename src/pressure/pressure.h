@@ -43,6 +43,14 @@ PetscErrorCode PressureSetTypes(Pressure pressure, const char source[], const ch
    collective. */
 PetscErrorCode PressureSetRelaxationTime(Pressure pressure, PetscReal time);
 void           PressureSetRepair(Pressure pressure, PetscReal share);
+/* PressureHolds - whether the velocity of fluid particle a is given, so that no pressure moves it.
+   PressureDensityDefect
+   - the density defect e_a = F_a - rho_a/(rho_0 S) (1), due neither to the free surface, F_a, nor to the kernel, S; 0
+   of what is held, whose correction would only push the liquid that has left. After OperatorsFreeSurface. Not
+   collective.
+ */
+PetscBool PressureHolds(Pressure pressure, PetscInt a);
+PetscReal PressureDensityDefect(Pressure pressure, PetscInt a);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient, -pressure_density,
    -pressure_regularization, -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_wall_suction,
    -pressure_rebuild_interval, -pressure_density_tolerance, -mat_type; the KSP's options act at its creation.

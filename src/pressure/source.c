@@ -25,15 +25,23 @@ PetscErrorCode SourceDensity(Pressure pressure, PetscReal dt, PetscReal rhs[])
 #define LAMBDA_FULL 0.95           /* above: a full neighbourhood, F = 1 */
 #define LAMBDA_THIN MOMENT_MINIMUM /* below: too few neighbours for F; only compression counts */
 
-/* e_a = F_a - rho_a/(rho_0 S), the density defect that is due neither to the free surface nor to the kernel. F is the
-   fraction of sum V W below a plane free surface, where |sum V grad W| is that of particle a; S is the sum on a full
-   lattice. */
-static PetscReal DensityDefect(Pressure pressure, PetscInt a)
+PetscBool PressureHolds(Pressure pressure, PetscInt a)
+{
+  const Cloud cloud = pressure->cloud;
+
+  return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
+                   0.5 * cloud->size[a] * cloud->domain->spacing);
+}
+
+/* F is the fraction of sum V W below a plane free surface, where |sum V grad W| is that of particle a; S is the sum on
+   a full lattice. */
+PetscReal PressureDensityDefect(Pressure pressure, PetscInt a)
 {
   Cloud            cloud    = pressure->cloud;
   const PetscReal *gradient = cloud->field[FIELD_NORMAL] + DIM * a, lambda = cloud->field[FIELD_LAMBDA][a];
   PetscReal        fraction = 1, defect;
 
+  if (PressureHolds(pressure, a)) return 0;
   if (lambda < LAMBDA_FULL) {
     const PetscReal place = cloud->size[a] * Norm(gradient) / pressure->surface_plane * SURFACE_TABLE;
     const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)(SURFACE_TABLE - 1));
@@ -44,14 +52,6 @@ static PetscReal DensityDefect(Pressure pressure, PetscInt a)
   }
   defect = fraction - cloud->field[FIELD_DENSITY][a] / (cloud->rest_density[a] * pressure->lattice_sum);
   return lambda < LAMBDA_THIN ? PetscMin(defect, 0) : defect;
-}
-
-/* Whether the velocity of particle a is given, so that no pressure moves it: a correction of its density would only
-   push the liquid beside it. */
-static PetscBool IsHeld(Cloud cloud, PetscInt a)
-{
-  return BodyHolds(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), cloud->field[FIELD_POSITION] + DIM * a,
-                   0.5 * cloud->size[a] * cloud->domain->spacing);
 }
 
 /* rhs = -(1/dt) div v* of FIELD_DIVERGENCE less e/(dt T), T at least LEAST_STEPS dt: in fewer steps the correction
@@ -69,10 +69,8 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    rhs[a] =
-      -div[a] / dt - DensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(cloud->size[a] * T, least)));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (IsHeld(cloud, a)) rhs[a] = -div[a] / dt;
+    rhs[a] = -div[a] / dt -
+             PressureDensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(cloud->size[a] * T, least)));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

@@ -121,23 +121,15 @@ static PetscErrorCode PrintMemory(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintBound(Sim sim, const char what[], PetscReal bound)
-{
-  PetscFunctionBegin;
-  if (bound < PETSC_MAX_REAL) PetscCall(PetscPrintf(sim->comm, "    %-16s %.3g s\n", what, (double)bound));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode PrintBounds(Sim sim)
 {
-  const StepBounds bounds = StepperBounds(sim->stepper);
+  StepBound      bound[STEP_BOUNDS];
+  const PetscInt n = StepperBounds(sim->stepper, bound);
 
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step at the start:\n"));
-  PetscCall(PrintBound(sim, "speed", bounds.speed));
-  PetscCall(PrintBound(sim, "force", bounds.force));
-  PetscCall(PrintBound(sim, "viscosity", bounds.viscosity));
-  PetscCall(PrintBound(sim, "surface tension", bounds.tension));
+  PetscCall(PetscPrintf(sim->comm, "  bounds of the time step at the start, and what lifts them:\n"));
+  for (PetscInt k = 0; k < n; k++)
+    PetscCall(PetscPrintf(sim->comm, "    %-18s %-8.3g s  %s\n", bound[k].cause, (double)bound[k].step, bound[k].lift));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -49,6 +49,8 @@ static const struct {
   {"time_viscous_limit", CONSTANT(VISCOUS_LIMIT, "stepper/time_step.c")},
   {"velocity_amplitude", SWINGS},
   {"velocity_frequency", SWINGS},
+  {"packing_relaxation_damping", CONSTANT(RELAXATION_DAMPING, "stepper/stepper.c")},
+  {"packing_relaxation_speed", CONSTANT(AT_REST, "sim/relax.c")},
   {"packing_repulsion", "its weight is fixed now: the term for -packing_distance counts as much as the density error"},
   {"packing_skin", CONSTANT(SKIN, "packing/poisson_samples.c")},
   {"pc_twolevel_omega", CONSTANT(OMEGA, "twolevel/twolevel.c")},

@@ -64,6 +64,23 @@ static PetscErrorCode SayDoubt(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What bounds the steps at the end of the run, and what would lift it. */
+static PetscErrorCode SayBound(Sim sim)
+{
+  StepBound      bound[STEP_BOUNDS];
+  const PetscInt n = StepperBounds(sim->stepper, bound);
+
+  PetscFunctionBegin;
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscPrintf(sim->comm, "steps bounded by %s: %.3g s; %s lifts it", bound[0].cause, (double)bound[0].step,
+                        bound[0].lift));
+  for (PetscInt k = 1; k < n; k++)
+    PetscCall(
+      PetscPrintf(sim->comm, "%s%s %.3g s", k == 1 ? "; other bounds: " : ", ", bound[k].cause, (double)bound[k].step));
+  PetscCall(PetscPrintf(sim->comm, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 {
   const StepState *state   = &sim->state;
@@ -93,6 +110,7 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
                           " steps rolled back, %" PetscInt_FMT " particles left through open faces\n",
                           steps, n, text, seconds / PetscMax(1, steps),
                           (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost));
+    PetscCall(SayBound(sim));
     PetscCall(BudgetReport(sim));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

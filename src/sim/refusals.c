@@ -31,11 +31,6 @@ static PetscBool SolidsMove(Sim sim)
   return (PetscBool)(sim->scene && SceneSolidsMove(sim->scene));
 }
 
-static PetscBool SolidsDriven(Sim sim)
-{
-  return (PetscBool)(sim->scene && SceneDriven(sim->scene));
-}
-
 static PetscBool SolidsFree(Sim sim)
 {
   return (PetscBool)(sim->scene && SceneHasFree(sim->scene));
@@ -78,7 +73,6 @@ static PetscBool HasLaw(Sim sim)
 #define FIXED      "-spacing_coarse without -spacing_follow"
 #define EMITTERS   "-<body>_type emitter"
 #define MOVING     "a solid that moves"
-#define DRIVEN     "a solid whose motion is given"
 #define FREE       "-<solid>_mass"
 #define WET        "-<solid>_contact_angle"
 #define DENSITIES  "bodies of different -<body>_density"
@@ -103,12 +97,17 @@ static const struct {
   const char *name;
   PetscBool (*on)(Sim sim);
 } Features[] = {
-  {RINGS, Rings},         {GRADED, Graded},
-  {FIXED, Fixed},         {EMITTERS, Emits},
-  {MOVING, SolidsMove},   {DRIVEN, SolidsDriven},
-  {FREE, SolidsFree},     {WET, SolidsHaveAngles},
-  {DENSITIES, Densities}, {THINNING, ViscosityVaries},
-  {ANGLES, HasAngles},    {HYSTERESIS, HasHysteresis},
+  {RINGS, Rings},
+  {GRADED, Graded},
+  {FIXED, Fixed},
+  {EMITTERS, Emits},
+  {MOVING, SolidsMove},
+  {FREE, SolidsFree},
+  {WET, SolidsHaveAngles},
+  {DENSITIES, Densities},
+  {THINNING, ViscosityVaries},
+  {ANGLES, HasAngles},
+  {HYSTERESIS, HasHysteresis},
   {LAW, HasLaw},
 };
 
@@ -156,7 +155,6 @@ static const struct {
    ": the body's part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
   {"-ksp_type none", NOT_WITH, FREE,
    ": the body's part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
-  {"-packing_relaxation_time", NOT_WITH, DRIVEN, ": the solid would move during the relaxation"},
   {INTERFACE, NOT_WITH, ANGLES, " yet: the interface would have another angle than the free surface"},
   {MOVING, NEEDS, CONSISTENT, ", the default"},
   {MOVING, NEEDS, CENTERED, ", the default"},

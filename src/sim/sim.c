@@ -23,7 +23,6 @@ PetscErrorCode SimCreate(MPI_Comm comm, Sim *sim)
   (*sim)->stop               = PETSC_MAX_REAL;
   (*sim)->progress_interval  = 2;
   (*sim)->wall_clock_silence = 600;
-  (*sim)->relaxation_damping = 0.5;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,14 +55,11 @@ static const OptionRow options[] = {
    "Wall-clock time without a sign of life (a step, an iteration, a file) after which the run ends, since the network "
    "or a host may be gone; 0: never",
    "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, wall_clock_silence)},
-  {"-packing_relaxation_time", "Time of a relaxation of the packing to rest before the run, without body force", "s",
-   "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, relaxation_time)},
-  {"-packing_relaxation_damping", "Factor on the velocities before each step of the relaxation", "1", "[0, 1]",
-   ROW_REAL, offsetof(struct _p_Sim, relaxation_damping)},
+  {"-packing_relaxation_time",
+   "With -scheme density_invariant: time of a relaxation of the packing to rest before the run, without body force",
+   "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Sim, relaxation_time)},
   {"-packing_relaxation_step", "Time step of the relaxation; 0: as in the run", "s", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Sim, relaxation_step)},
-  {"-packing_relaxation_speed", "Rms speed below which the relaxation ends early; 0: never", "m/s", "[0, inf)",
-   ROW_REAL, offsetof(struct _p_Sim, relaxation_speed)},
   {.name = NULL},
 };
 
@@ -192,6 +188,9 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(PressureCreate(sim->cloud, &sim->pressure));
   PetscCall(StepperCreate(sim->cloud, sim->tension, sim->pressure, &sim->stepper));
   PetscCall(StepperSetFromOptions(sim->stepper));
+  PetscCheckUser(sim->relaxation_time == 0 || StepperRepairsAtOnce(sim->stepper), comm,
+                 "-packing_relaxation_time is for -scheme " SCHEME_DENSITY_INVARIANT
+                 "; other schemes bring the packing to rest without it");
   PetscCall(SpectrumCreate(sim->cloud, sim->tension, sim->pressure, &sim->spectrum));
   PetscCall(SpectrumSetFromOptions(sim->spectrum));
   PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
@@ -256,7 +255,7 @@ PetscErrorCode SimSetUp(Sim sim)
 
     PetscCall(CloudCommit(sim->cloud, &lost, NULL)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
-    if (sim->relaxation_time > 0) PetscCall(Relax(sim));
+    PetscCall(StartAtRest(sim));
     PetscCall(BudgetStart(sim));
   }
   if (!sim->dry_run && sim->writes) {

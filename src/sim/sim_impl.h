@@ -42,22 +42,21 @@ struct _p_Sim {
   StepState     state;
   PackingReport report;
   PetscReal     stop; /* s: SimSetEnd */
-  PetscReal     time_end, progress_interval, wall_clock_limit, wall_clock_silence, relaxation_time, relaxation_damping,
-    relaxation_step, relaxation_speed;
-  PetscInt    steps_max, ranks; /* ranks: 0: mpiexec was started by the user */
-  Progress    progress;
-  PetscBool   embedded, writes, begun, rests; /* writes: into a run folder; rests: -stop_at_rest ends the run */
-  PetscInt    steps;                          /* of this start of the program */
-  const char *interrupted;                    /* what ends the run early; NULL: nothing has */
-  PetscBool   has_end, dry_run, model;
-  PetscViewer monitor; /* NULL: none */
-  PetscInt    monitor_lines;
-  PetscBool   monitor_csv, monitor_draw;
-  RestWatch   rest;
-  char        dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
-  char        scene_json[PETSC_MAX_PATH_LEN];
-  char        word[PETSC_MAX_PATH_LEN]; /* of the options to print; empty: none */
-  char        restart[PETSC_MAX_PATH_LEN];
+  PetscReal     time_end, progress_interval, wall_clock_limit, wall_clock_silence, relaxation_time, relaxation_step;
+  PetscInt      steps_max, ranks; /* ranks: 0: mpiexec was started by the user */
+  Progress      progress;
+  PetscBool     embedded, writes, begun, rests; /* writes: into a run folder; rests: -stop_at_rest ends the run */
+  PetscInt      steps;                          /* of this start of the program */
+  const char   *interrupted;                    /* what ends the run early; NULL: nothing has */
+  PetscBool     has_end, dry_run, model;
+  PetscViewer   monitor; /* NULL: none */
+  PetscInt      monitor_lines;
+  PetscBool     monitor_csv, monitor_draw;
+  RestWatch     rest;
+  char          dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
+  char          scene_json[PETSC_MAX_PATH_LEN];
+  char          word[PETSC_MAX_PATH_LEN]; /* of the options to print; empty: none */
+  char          restart[PETSC_MAX_PATH_LEN];
 };
 
 PetscErrorCode ProgressStart(Sim sim, Progress *progress);
@@ -166,9 +165,9 @@ PetscErrorCode ModelPrint(Sim sim, const SceneModel *found);
 /* SceneFileWrite - writes scene.json, what the program knows about the scene (options/scene_json.md), into a file, or
    with path NULL into the run folder, where the particles are known. Collective. */
 PetscErrorCode SceneFileWrite(Sim sim, const char path[]);
-/* Relax - lets the packing come to rest for -packing_relaxation_time, or takes the result from the cache. Collective.
- */
-PetscErrorCode Relax(Sim sim);
+/* StartAtRest - moves the particles of the packing so that liquid at rest starts at rest: the consistent schemes settle
+   it, the printed one relaxes it for -packing_relaxation_time. Collective. */
+PetscErrorCode StartAtRest(Sim sim);
 /* RefuseTraps - a UserError for -fp_trap. Collective. */
 PetscErrorCode RefuseTraps(MPI_Comm comm);
 /* RefuseUnusedOptions - a UserError naming the first option that nothing has read, with the nearest name that exists or

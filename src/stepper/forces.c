@@ -71,7 +71,7 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial)
 
 PetscBool StepViscosityFused(Stepper stepper)
 {
-  return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_CLEARY &&
+  return (PetscBool)(ViscosityIsExplicit(stepper) && stepper->viscosity.form == VISCOSITY_MOMENT &&
                      OperatorsOneLiquid(stepper->cloud));
 }
 

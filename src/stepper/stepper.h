@@ -28,6 +28,7 @@ typedef struct {
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
   PetscReal kinetic_most;       /* the largest of these so far, J */
   PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
+  PetscReal flow_time;          /* in which the last step changes its kinetic energy, s; 0: not known */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
@@ -132,19 +133,30 @@ PetscBool StepperRepairsAtOnce(Stepper stepper);
 /* StepperReset - forgets what former steps left beside the StepState: the next step is that of a restart. Collective.
  */
 PetscErrorCode StepperReset(Stepper stepper);
-/* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities times
-   'damping' (1) before each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not
-   collective. */
-PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal damping, PetscReal step);
+/* StepperSettle - moves the particles of a packing, in a few iterations, to places from which pressure does not drive
+   them; without the divergence source and the corrected gradient the packing stays. Velocities stay those of the
+   particles. Collective. */
+PetscErrorCode StepperSettle(Stepper stepper);
+/* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities damped before
+   each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not collective. */
+PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal step);
 /* Bounds of a time step, s; PETSC_MAX_REAL: none. viscosity: of an explicit step. viscosity_flow: the same, but a
    viscosity that varies has its value at the shear rate U/h, U the scene's velocity; implicit steps are limited in
-   multiples of it. */
+   multiples of it, or by flow, a share of the time in which a flow without inertia changes, if that is longer (0: not
+   so). */
 typedef struct {
-  PetscReal speed, force, viscosity, viscosity_flow, tension;
+  PetscReal speed, force, viscosity, viscosity_flow, tension, flow;
 } StepBounds;
 
-/* StepperBounds - the bounds of the last step that was chosen. Not collective. */
-StepBounds StepperBounds(Stepper stepper);
+/* A bound of the step as a row: its name in scene.json, its cause, its size (s), and what lifts it. StepperBounds -
+   lists those of the step that was chosen last, first the one that bounds it; returns how many. Not collective. */
+typedef struct {
+  const char *name, *cause;
+  PetscReal   step;
+  const char *lift;
+} StepBound;
+#define STEP_BOUNDS 7
+PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS]);
 /* StepperUnderresolved - number of particles of viscous liquid whose neighbours in the last step lay along a line at
    most: a sheet or thread is one particle thick there and tears. Not collective. */
 PetscInt StepperUnderresolved(Stepper stepper);

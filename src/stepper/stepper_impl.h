@@ -46,6 +46,7 @@ typedef struct {
 /* Bounds of the time step; see the options of time_step.c. */
 typedef struct {
   PetscReal cfl, min, max, fixed;
+  PetscReal force_limit;     /* over sqrt(h/|g|) */
   PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
   PetscReal capillary_most;  /* the same, of bodies so thick that their waves are slow */
   PetscReal per_period;      /* steps in a period of a body's slowest surface wave, at least; 0: no such bound */

@@ -4,15 +4,20 @@
 #define LAST_LONGER   1e-3 /* a last step may be longer by this fraction */
 #define CAPILLARY     0.25 /* for schemes whose forces do not act at the middle of the step; else TensionStepLimit */
 #define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
-#define FORCE_LIMIT   0.03 /* over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
+#define FORCE_LIMIT   0.03 /* the same, over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
+#define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
+#define FLOW_SHARE    0.05 /* of the time in which such a flow changes; no reference */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
 #define SPRAY_SHARE   0.8  /* of -displacement_max, that a spray particle may move in a step; no reference */
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
-  *limits =
-    (TimeStepLimits){.cfl = 0.2, .capillary_limit = CAPILLARY, .capillary_most = CAPILLARY, .per_period = PER_PERIOD};
+  *limits = (TimeStepLimits){.cfl             = 0.2,
+                             .force_limit     = FORCE_LIMIT,
+                             .capillary_limit = CAPILLARY,
+                             .capillary_most  = CAPILLARY,
+                             .per_period      = PER_PERIOD};
 }
 
 static const OptionRow options[] = {
@@ -126,22 +131,76 @@ static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
   return step;
 }
 
+/* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
+   surface tension over density and smoothing length (m2/s2) of the scene. */
+typedef struct {
+  PetscReal speed, acceleration[DIM], fall, capillary;
+} Scales;
+
+static void FindScales(Stepper stepper, Scales *scales)
+{
+  Cloud           cloud = stepper->cloud;
+  const PetscReal h     = KernelSmoothingLength(cloud->kernel);
+
+  *scales = (Scales){0};
+  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
+    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
+    BodyScales      body;
+
+    SceneBodyScales(cloud->scene, b, &body);
+    scales->speed = PetscMax(scales->speed, body.speed);
+    for (PetscInt d = 0; d < DIM; d++) {
+      scales->acceleration[d] = PetscMax(scales->acceleration[d], body.acceleration[d]);
+      scales->fall            = PetscMax(scales->fall, body.acceleration[d] * body.extent[d]);
+    }
+    if (TensionReach(stepper->tension) > 0)
+      scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
+  }
+  if (TensionReach(stepper->tension) > 0 && SceneInterfaceTension(cloud->scene) > 0)
+    scales->capillary =
+      PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) / (SceneInterfaceDensity(cloud->scene) * h));
+  scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
+  scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
+}
+
+/* Whether the inertia of a liquid counts: its Reynolds number U d rho/mu is not small, d the least thickness of a body,
+   U the largest speed; or waves of a length 2 d, of w^2 = g k + sigma k^3/rho, are not much slower than their decay, 2
+   nu k^2 (Lamb 1932, sections 267 and 349). */
+static PetscBool InertiaCounts(Stepper stepper, PetscReal fastest)
+{
+  Scene           scene = stepper->cloud->scene;
+  const PetscReal h     = KernelSmoothingLength(stepper->cloud->kernel);
+  Scales          scales;
+
+  FindScales(stepper, &scales);
+  for (PetscInt b = 0; b < SceneCount(scene); b++) {
+    const Body      body = SceneBody(scene, b);
+    const PetscReal d = SceneBodyThickness(scene, b), U = PetscMax(fastest, scales.speed), k = PETSC_PI / d,
+                    nu    = BodyViscosity(body, stepper->reference_velocity / h) / BodyMaterial(body)->density,
+                    waves = k * Norm(scales.acceleration) + k * k * k * h * scales.capillary;
+
+    if (U * d > INERTIA * nu || PetscSqrtReal(waves) > INERTIA * 2 * nu * k * k) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* The bound of each cause. */
-static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT])
+static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT], PetscReal flow_time)
 {
   Cloud                 cloud  = stepper->cloud;
   const TimeStepLimits *limits = &stepper->limits;
   const PetscReal       h      = KernelSmoothingLength(cloud->kernel),
                   fastest      = PetscMax(extreme[FASTEST], SceneSolidSpeed(cloud->scene));
   const PetscReal spray_path   = SPRAY_SHARE * stepper->trial.displacement * cloud->domain->spacing;
-  StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL};
+  StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, 0};
 
   if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
   if (stepper->ops->bound)
     bounds.speed = PetscMin(bounds.speed, stepper->ops->bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
-  if (extreme[STRONGEST] > 0) bounds.force = FORCE_LIMIT * PetscSqrtReal(h / extreme[STRONGEST]);
+  if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
   BoundByViscosities(stepper, extreme[THICKEST], &bounds);
+  bounds.flow = InertiaCounts(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])) ? 0 : FLOW_SHARE * flow_time;
   if (TensionReach(stepper->tension) > 0 && SceneHasTension(cloud->scene)) bounds.tension = CapillaryStep(stepper, 1);
   return bounds;
 }
@@ -155,11 +214,13 @@ static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, 
                      (viscous->choice == VISCOUS_IMPLICIT || (viscous->choice == VISCOUS_AUTO && step > limit)));
 }
 
-/* Bounds a step by viscosity. */
+/* Bounds a step by viscosity. Implicit steps resolve the diffusion of momentum, or, where inertia does not count, the
+   time in which the flow changes. */
 static PetscReal BoundByViscosity(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
   if (!ImplicitPays(viscous, bounds, step)) return PetscMin(step, bounds->viscosity);
-  return viscous->ratio > 0 ? PetscMin(step, viscous->ratio * bounds->viscosity_flow) : step;
+  if (viscous->ratio == 0) return step;
+  return PetscMin(step, PetscMax(viscous->ratio * bounds->viscosity_flow, bounds->flow));
 }
 
 /* The step within all bounds and options. */
@@ -192,7 +253,7 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
 
   PetscFunctionBegin;
   PetscCall(FindExtremes(stepper->cloud, (PetscBool)(state->step == 0), extreme));
-  stepper->bounds  = FindBounds(stepper, extreme);
+  stepper->bounds  = FindBounds(stepper, extreme, state->flow_time);
   stepper->fastest = PetscMax(extreme[FASTEST], extreme[FASTEST_SPRAY]);
   step             = ChooseStep(stepper, state);
   /* Avoid a tiny last step, whose pressure would be noise over dt. The last step includes what round-off leaves in the
@@ -215,6 +276,7 @@ static StepBounds ScaleBounds(Stepper stepper, PetscReal scale)
                       .force          = bounds->force * PetscSqrtReal(scale),
                       .viscosity      = bounds->viscosity * h2,
                       .viscosity_flow = bounds->viscosity_flow * h2,
+                      .flow           = bounds->flow,
                       .tension = bounds->tension < PETSC_MAX_REAL ? CapillaryStep(stepper, scale) : PETSC_MAX_REAL};
 }
 
@@ -229,71 +291,56 @@ PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
   return PetscMax(BoundByViscosity(&stepper->viscous, &bounds, step), limits->min);
 }
 
+/* All bounds in a fixed order; PETSC_MAX_REAL: none. */
+static void ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
+{
+  const TimeStepLimits *limits   = &stepper->limits;
+  const StepBounds     *b        = &stepper->bounds;
+  const Viscous        *v        = &stepper->viscous;
+  const PetscReal       none     = PETSC_MAX_REAL;
+  const StepBound       listed[] = {
+          {"speed", "speed", b->speed, "a larger -time_cfl or -spacing"},
+          {"force", "body force", b->force, "a larger -spacing"},
+          {"surface_tension", "surface tension", b->tension, "a larger -spacing, or fewer -time_steps_per_period"},
+          {"viscosity", "explicit viscosity", v->implicit ? none : b->viscosity, "-viscosity_solver auto"},
+          {"implicit_viscosity", "implicit viscosity", v->implicit ? BoundByViscosity(v, b, none) : none,
+           "a larger -viscosity_step_ratio"},
+          {"time_step_max", "-time_step_max", limits->max > 0 ? limits->max : none, "a larger one"},
+          {"time_step", "-time_step", limits->fixed > 0 ? limits->fixed : none, "none, for steps from the state"},
+  };
+
+  (void)memcpy(all, listed, sizeof(listed));
+}
+
+PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS])
+{
+  StepBound all[STEP_BOUNDS];
+  PetscInt  n = 0;
+
+  ListBounds(stepper, all);
+  for (PetscInt k = 0; k < STEP_BOUNDS; k++)
+    if (all[k].step < PETSC_MAX_REAL) rows[n++] = all[k];
+  for (PetscInt k = 1; k < n; k++)
+    if (rows[k].step < rows[0].step || rows[k].step == stepper->limits.fixed) {
+      const StepBound first = rows[0];
+
+      rows[0] = rows[k];
+      rows[k] = first;
+    }
+  return n;
+}
+
 void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
 {
-  const TimeStepLimits *limits = &stepper->limits;
-  const StepBounds     *b      = &stepper->bounds;
-  const PetscReal       none   = PETSC_MAX_REAL;
-  const struct {
-    const char *name;
-    PetscReal   bound;
-  } rows[] = {
-    {"speed", b->speed},
-    {"force", b->force},
-    {"surface_tension", b->tension},
-    {"viscosity", stepper->viscous.implicit ? none : b->viscosity},
-    {"implicit_viscosity",
-     stepper->viscous.implicit && stepper->viscous.ratio > 0 ? stepper->viscous.ratio * b->viscosity_flow : none},
-    {"time_step_max", limits->max > 0 ? limits->max : none},
-    {"time_step", limits->fixed > 0 ? limits->fixed : none},
-  };
-  PetscInt least = 0;
+  StepBound      all[STEP_BOUNDS], rows[STEP_BOUNDS];
+  const PetscInt n = StepperBounds(stepper, rows);
 
+  ListBounds(stepper, all);
   JsonText(json, "scheme", stepper->scheme_type);
   JsonObject(json, "step");
-  for (PetscInt k = 0; k < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(rows) && chosen; k++) {
-    JsonReal(json, rows[k].name, rows[k].bound);
-    if (rows[k].bound < rows[least].bound || rows[k].bound == limits->fixed) least = k;
-  }
-  if (chosen) JsonText(json, "binds", rows[least].bound < none ? rows[least].name : NULL);
+  for (PetscInt k = 0; k < STEP_BOUNDS && chosen; k++) JsonReal(json, all[k].name, all[k].step);
+  if (chosen) JsonText(json, "binds", n > 0 ? rows[0].name : NULL);
   JsonEnd(json);
-}
-
-StepBounds StepperBounds(Stepper stepper)
-{
-  return stepper->bounds;
-}
-
-/* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
-   surface tension over density and smoothing length (m2/s2) of the scene. */
-typedef struct {
-  PetscReal speed, acceleration[DIM], fall, capillary;
-} Scales;
-
-static void FindScales(Stepper stepper, Scales *scales)
-{
-  Cloud           cloud = stepper->cloud;
-  const PetscReal h     = KernelSmoothingLength(cloud->kernel);
-
-  *scales = (Scales){0};
-  for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
-    const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
-    BodyScales      body;
-
-    SceneBodyScales(cloud->scene, b, &body);
-    scales->speed = PetscMax(scales->speed, body.speed);
-    for (PetscInt d = 0; d < DIM; d++) {
-      scales->acceleration[d] = PetscMax(scales->acceleration[d], body.acceleration[d]);
-      scales->fall            = PetscMax(scales->fall, body.acceleration[d] * body.extent[d]);
-    }
-    if (TensionReach(stepper->tension) > 0)
-      scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
-  }
-  if (TensionReach(stepper->tension) > 0 && SceneInterfaceTension(cloud->scene) > 0)
-    scales->capillary =
-      PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) / (SceneInterfaceDensity(cloud->scene) * h));
-  scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
-  scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
 }
 
 PetscReal StepperReferenceVelocity(Stepper stepper)

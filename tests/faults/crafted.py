@@ -357,30 +357,29 @@ def packings(number, rng):
     """What is no packing of the scene is made again, and the run is that without the file on as many ranks: where the
     optimisation of a packing ends depends on their number."""
     plain = SCENE.replace("-solids post -post_lower 0.2,0 -post_upper 0.3,0.4", "")
-    for name, options in (("poisson", plain + "-packing_type poisson -packing_tolerance 1e-2 "),
-                          ("relaxed", SCENE + "-packing_relaxation_time 5e-3 ")):
-        cache, folder, kept = runs.scratch(f"cache_{name}"), runs.scratch("of_cache"), runs.scratch("kept.h5")
-        options += f"-packing_cache {cache} -steps_max 1 -output_overwrite "
-        runs.run(options, "first")
-        firsts = {}
-        cached = os.path.join(cache, os.listdir(cache)[0])
-        shutil.copy(cached, kept)
-        for k in range(number // 2):
-            ranks = 1 + k % 4
-            unsealed(kept, cached)
-            with h5py.File(cached, "r+") as file:
-                how = packing_change(file, rng)
-            seal(cached)
-            code, out, err = attempt(options + f"-output_dir {folder}", ranks)
-            fine = judge("packing", f"{name} {k}: {how} on {ranks}", code, err, "run", folder)
-            if fine:
-                now = runs.fields(runs.numbered(folder, "checkpoint")[-1])
-                if ranks not in firsts:
-                    alone = runs.run(options + "-packing_cache '' ", "alone", ranks)
-                    firsts[ranks] = runs.fields(runs.numbered(alone, "checkpoint")[-1])
-                same = np.allclose(firsts[ranks]["position"], now["position"], rtol=0, atol=1e-9) and \
-                    "from the cache" not in out
-                runs.check(same, f"{name} {how} on {ranks} is made again")
+    cache, folder, kept = runs.scratch("cache_poisson"), runs.scratch("of_cache"), runs.scratch("kept.h5")
+    options = f"{plain} -packing_type poisson -packing_tolerance 1e-2 -packing_cache {cache} -steps_max 1 "
+    options += "-output_overwrite "
+    runs.run(options, "first")
+    firsts = {}
+    cached = os.path.join(cache, os.listdir(cache)[0])
+    shutil.copy(cached, kept)
+    for k in range(number // 2):
+        ranks = 1 + k % 4
+        unsealed(kept, cached)
+        with h5py.File(cached, "r+") as file:
+            how = packing_change(file, rng)
+        seal(cached)
+        code, out, err = attempt(options + f"-output_dir {folder}", ranks)
+        fine = judge("packing", f"poisson {k}: {how} on {ranks}", code, err, "run", folder)
+        if fine:
+            now = runs.fields(runs.numbered(folder, "checkpoint")[-1])
+            if ranks not in firsts:
+                alone = runs.run(options + "-packing_cache '' ", "alone", ranks)
+                firsts[ranks] = runs.fields(runs.numbered(alone, "checkpoint")[-1])
+            same = np.allclose(firsts[ranks]["position"], now["position"], rtol=0, atol=1e-9) and \
+                "from the cache" not in out
+            runs.check(same, f"poisson {how} on {ranks} is made again")
     runs.check(not tally.get("packing", {}).get("failed"), "crafted_packings")
 
 

@@ -23,7 +23,7 @@ SCENE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x perio
  -time_end 1000 """
 SLOW = SCENE + "-packing_cache '' -spacing 0.004 "
 MOMENTS = {"set-up": SCENE, "packing": SLOW + "-packing_type poisson", "step": SCENE,
-           "relaxation": SCENE + "-packing_cache '' -packing_relaxation_time 10",
+           "relaxation": SCENE + "-scheme density_invariant -packing_relaxation_time 10",
            "write": SCENE + "-checkpoint_interval 1e-4"}
 ENDING = ("HUP", "INT", "QUIT", "PIPE", "TERM", "USR1", "XCPU")
 SECONDS = 120  # a run of these ends in two; the machine may be busy

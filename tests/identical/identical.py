@@ -51,7 +51,7 @@ SCENES = {
     "graded": ("-options_file cases/drop_impact/axisymmetric.opts -options_file cases/drop_impact/graded.opts "
                "-spacing 0.5e-3 -spacing_coarse 1e-3", (1,), 60),
     "poisson packing": (SMALL + " -packing_type poisson -spacing 1.5e-3", (1,), 5),
-    "relaxation": (SMALL + " -packing_relaxation_time 2e-4", (2,), 5),
+    "relaxation": (SMALL + " -scheme density_invariant -packing_relaxation_time 2e-4", (2,), 5),
 }
 APART = "wall_time"
 

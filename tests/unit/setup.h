@@ -17,11 +17,13 @@ typedef struct {
   Pressure  pressure; /* NULL until asked for */
 } Setup;
 
-/* SetupOpen - everything below the particles, as the program does it; the swarm is empty. */
+/* SetupOpen - everything below the particles, as the program does it; the swarm is empty. Nothing evens a packing out
+   here, so its jitter is half of the default unless the options name one. */
 static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, "-packing_jitter 0.1"));
   PetscCall(PetscOptionsInsertString(NULL, options));
   PetscCall(PetscMemzero(s, sizeof(*s)));
   PetscCall(DomainCreate(PETSC_COMM_WORLD, &s->domain));

@@ -311,7 +311,7 @@ static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const Pets
     for (PetscInt d = 0; d < DIM; d++)
       cloud->field[FIELD_VELOCITY][DIM * a + d] = n[d] * PetscSqr(Dot(t, cloud->field[FIELD_POSITION] + DIM * a));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
-  PetscCall(OperatorsViscosity(cloud, &(Viscosity){.form = VISCOSITY_CLEARY}, cloud->rest_density));
+  PetscCall(OperatorsViscosity(cloud, &(Viscosity){.form = VISCOSITY_MOMENT}, cloud->rest_density));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
 
@@ -323,9 +323,8 @@ static PetscErrorCode ShearResponse(Setup *s, const PetscReal n[DIM], const Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shear along the lattice and at 45 degrees to it. A lattice of 80 (20) neighbours is not isotropic: along it the
-   operator is 11 % (14 %) low, across it as much high; the mean over all directions, 0.6 and 0.4 of the two (0.5 and
-   0.5), is what the factor zeta = dim + 2 sets: zeta = 5 in two dimensions would give 1.25 times it. */
+/* Shear along the lattice and at 45 degrees to it. A lattice of 80 (20) neighbours is nearly isotropic in
+   VISCOSITY_MOMENT; in Eq. (1) the operator is 11 % (14 %) low along it, and across it as much high. */
 static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscReal jitter, PetscReal tol,
                                      const char label[])
 {
@@ -340,8 +339,10 @@ static PetscErrorCode CheckViscosity(const char options[], PetscInt dim, PetscRe
   PetscCall(SetupMoments(&s));
   PetscCall(ShearResponse(&s, x, y, nu, &along));
   PetscCall(ShearResponse(&s, up, down, nu, &across));
-  CHECK_CLOSE(dim == 3 ? 0.6 * along + 0.4 * across : 0.5 * (along + across), 1, tol, label);
-  PetscCall(SetupTakenAlong(s.cloud, &(Viscosity){.form = VISCOSITY_CLEARY}, &difference));
+  if (getenv("TEST_VERBOSE")) printf("%s: along %g, across %g\n", label, along, across);
+  CHECK_CLOSE(along, 1, tol, label);
+  CHECK_CLOSE(across, 1, tol, label);
+  PetscCall(SetupTakenAlong(s.cloud, &(Viscosity){.form = VISCOSITY_MOMENT}, &difference));
   CHECK_CLOSE(difference, 0, 1e-6, "viscosity_taken_along");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -376,10 +377,10 @@ static PetscErrorCode TestNoSlip(void)
   Setup             s;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 4; k++) {
-    Viscosity viscosity = {.form = k % 2 ? VISCOSITY_MORRIS : VISCOSITY_CLEARY};
+  for (PetscInt k = 0; k < 6; k++) {
+    Viscosity viscosity = {.form = (ViscosityForm)(k % 3)};
 
-    PetscCall(PetscSNPrintf(options, sizeof(options), "%s%s", above, floors[k / 2]));
+    PetscCall(PetscSNPrintf(options, sizeof(options), "%s%s", above, floors[k / 3]));
     PetscCall(SetupPack(options, &s));
     PetscCall(SetupMoments(&s));
     for (PetscInt a = 0; a < s.cloud->n_owned; a++)
@@ -391,7 +392,7 @@ static PetscErrorCode TestNoSlip(void)
     PetscCall(WallShear(s.cloud, &viscosity, nu, &straight));
     CHECK(rest > 0.3, "dummies_at_rest_let_the_first_layer_slide");
     CHECK(straight < 0.003, "a_linear_shear_flow_feels_no_force_at_a_wall");
-    if (viscosity.form == VISCOSITY_CLEARY) {
+    if (viscosity.form == VISCOSITY_MOMENT) {
       PetscCall(SetupTakenAlong(s.cloud, &viscosity, &difference));
       CHECK_CLOSE(difference, 0, 1e-5, "viscosity_taken_along_walls");
     }
@@ -424,7 +425,7 @@ static PetscErrorCode TestViscosity(void)
 
   PetscFunctionBegin;
   PetscCall(CheckViscosity(OPEN "-a_density 250 -a_viscosity 0.5", 3, 0, 0.03, "viscosity_3d"));
-  PetscCall(CheckViscosity(OPEN_2D "-a_density 250 -a_viscosity 0.5", 2, 0, 0.03, "viscosity_2d"));
+  PetscCall(CheckViscosity(OPEN_2D "-a_density 250 -a_viscosity 0.5", 2, 0, 0.06, "viscosity_2d"));
   PetscCall(CheckViscosity(OPEN "-a_density 250 -a_viscosity 0.5", 3, 0.1, 0.05, "viscosity_3d_disordered"));
   /* two liquids, random velocities, no outside: forces cancel in pairs */
   PetscCall(SetupPack(two, &s));
@@ -436,7 +437,7 @@ static PetscErrorCode TestViscosity(void)
         RandomUnit(9, (unsigned long long)(DIM * cloud->integer[INT_ID][a] + d));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned));
-  PetscCall(OperatorsViscosity(cloud, &(Viscosity){.form = VISCOSITY_CLEARY}, cloud->field[FIELD_DENSITY]));
+  PetscCall(OperatorsViscosity(cloud, &(Viscosity){.form = VISCOSITY_MOMENT}, cloud->field[FIELD_DENSITY]));
   CHECK_CLOSE(Imbalance(cloud), 0, 1e-12, "viscosity_conserves_momentum");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -447,7 +448,7 @@ static PetscErrorCode TestViscosity(void)
    implicit step and the viscosity that OperatorsMoments takes along differ from it, over the largest. */
 static PetscErrorCode Sheet(PetscInt layers, PetscReal *ratio, PetscReal *implicit, PetscReal *along)
 {
-  const Viscosity  viscosity = {.form = VISCOSITY_CLEARY};
+  const Viscosity  viscosity = {.form = VISCOSITY_MOMENT};
   const PetscReal  E = 0.3, mu = 0.5;
   PetscReal       *pair, *out, most = 0, different = 0, loss = 0, volume = 0;
   const PetscReal *x;

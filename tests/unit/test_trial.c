@@ -30,7 +30,7 @@ static PetscErrorCode MakeStepper(Setup *s, Stepper *stepper)
 static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal left, PetscBool spray, PetscReal *dt,
                            PetscBool *implicit)
 {
-  const StepState state = {.time = 3, .step = 7, .previous_time_step = previous};
+  const StepState state = {.time = 3, .step = 7, .previous_time_step = previous, .flow_time = 0.1};
   ParticleArrays  arrays;
   Stepper         stepper;
   Setup           s;
@@ -86,7 +86,12 @@ static PetscErrorCode TestStep(void)
      PETSC_FALSE},
     {"tension, Cahn-Hilliard", QUIET "-a_tension 7e4 -tension_type cahn_hilliard", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
      PETSC_FALSE},
-    {"force", QUIET "-gravity 0,-1000", 1, 9, PETSC_FALSE, 0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
+    {"force", QUIET "-gravity 0,-1000", 1, 9, PETSC_FALSE, 0.06 * PetscSqrtReal(H / 1000), PETSC_FALSE},
+    {"force, not centered", QUIET "-gravity 0,-1000 -time_centered 0", 1, 9, PETSC_FALSE,
+     0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
+    {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, 0.05 * 0.1, PETSC_TRUE},
+    {"viscosity without inertia, explicit limit", BLOCK "-a_viscosity 80000 -viscosity_step_ratio 500", 1, 9,
+     PETSC_FALSE, 0.2 * H / 5, PETSC_TRUE},
     {"spray", QUIET "-displacement_max 0.4", 1, 9, PETSC_TRUE, 0.8 * 0.4 * D0 / 50, PETSC_FALSE},
     {"last", QUIET, 1, 0.2 * H / 5 * 1.0005, PETSC_FALSE, 0.2 * H / 5 * 1.0005, PETSC_FALSE},
     {"last two", QUIET, 1, 0.2 * H / 5 * 1.5, PETSC_FALSE, 0.2 * H / 5 * 0.75, PETSC_FALSE},

@@ -87,6 +87,7 @@ for model, numbers in MODELS.items():
     numbers = "-liquid_viscosity_model " + numbers
     ENTRIES += [Entry("poiseuille", model, numbers, TEST if "0.5" in model else SHORT, file="models.opts"),
                 Entry("poiseuille", model + ", pipe", numbers, file="models_rings.opts")]
+ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads")]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move

@@ -93,10 +93,10 @@ resumed = runs.run(JET + f"-time_end 2.1e-3 -restart {first}", "jet_resumed")
 again = runs.fields(runs.numbered(resumed, "snapshot")[-1])
 good = len(again["id"]) == count and np.array_equal(again["id"], last["id"])
 runs.check(good and np.array_equal(again["position"], last["position"]), "emitter_restarts_exactly", "states differ")
-relaxed = runs.run(JET + "-packing_relaxation_time 1e-4 -steps_max 2 -packing_cache " + runs.scratch("packings"),
-                   "jet_relaxed")
-count = len(runs.fields(runs.numbered(relaxed, "snapshot")[0])["id"])
-runs.check(count == 5 * 10, "an emitter's liquid relaxes too", f"{count} particles, not 50")
+printed = runs.run(JET + "-scheme density_invariant -steps_max 1", "jet_printed")  # this scheme does not settle
+first, unmoved = (runs.fields(runs.numbered(folder, "snapshot")[0]) for folder in (whole, printed))
+runs.check(len(first["id"]) == 5 * 10 and np.array_equal(first["position"], unmoved["position"]),
+           "liquid inside an emitter is not moved before the start", "it is")
 # a periodic box falls through itself: what has left it is brought back before its neighbours are out of reach
 GRAVITY = 1
 FALL = f"""-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,2 -box_x periodic -box_y periodic -bodies a
