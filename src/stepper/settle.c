@@ -112,12 +112,12 @@ PetscErrorCode StepperSettle(Stepper stepper)
   PetscFunctionBegin;
   if (!PressureTakesDivergence(stepper->pressure) || !PressureGradientCorrected(stepper->pressure))
     PetscFunctionReturn(PETSC_SUCCESS);
-  SceneFreeze(stepper->cloud->scene, PETSC_TRUE);
+  StepHook(stepper, freeze, stepper, PETSC_TRUE);
   ProgressBegin("the packing is evened out", "no step of the run was computed");
   for (PetscInt k = 0; k < ITERATIONS; k++) {
     PetscCall(ProgressWork(stepper->cloud->comm, (PetscReal)k / ITERATIONS, "iteration %" PetscInt_FMT, k));
     PetscCall(Even(stepper));
   }
-  SceneFreeze(stepper->cloud->scene, PETSC_FALSE);
+  StepHook(stepper, freeze, stepper, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
