@@ -8,12 +8,13 @@ The other runs appear in figure 2 only, which has a column for each impact speed
 python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
 import argparse
+import functools
 import glob
 import os
 import sys
 
 import rundata
-from display import with_display
+from display import together, with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
@@ -92,13 +93,19 @@ def rings(points, share, size, drop, spacing, corners, level):
                           np.array([reach, reach, top]), np.tile(share, 2), np.tile(size, 2), True)
 
 
-def draw_section(axes, liquid):
+def draw_section(axes, image):
     """The section through the axis, drop and film filled."""
     x0, x1, z0, z1 = (1e3 * x for x in SECTION)
-    image = surface.section(liquid, SECTION, 0.25 * liquid.spacing)
     axes.imshow(image, origin="lower", extent=(x0, x1, z0, z1), interpolation="bilinear", aspect="equal")
     axes.axhline(0, color="0.45", lw=0.6, ls=(0, (4, 4)))
     axes.set(xlim=(x0, x1), ylim=(z0, z1))
+
+
+def moment(mirrors, quarter, file):
+    """What figure 1 shows of a snapshot: the surface as both cameras see it, and the section."""
+    liquid = read_snapshot(file, mirrors, quarter)
+    return (surface.painted(liquid, EYE), surface.painted(liquid, ABOVE, pale=True),
+            surface.section(liquid, SECTION, 0.25 * liquid.spacing))
 
 
 def figure_1(folder, times, quarter, path):
@@ -110,14 +117,14 @@ def figure_1(folder, times, quarter, path):
     rows = len(chosen)
     figure, axes = plt.subplots(rows, 3, figsize=(12.6, 0.35 + 2.9 * rows), squeeze=False,
                                 gridspec_kw=dict(wspace=0.03, hspace=0.04))
-    for row, (time, file) in zip(axes, chosen):
-        liquid = read_snapshot(file, mirrors, quarter)
-        row[0].imshow(surface.picture(liquid, EYE, PANEL), interpolation="antialiased")
+    shapes = together(functools.partial(moment, mirrors, quarter), [file for _, file in chosen])
+    for row, (time, _), (eye, top, middle) in zip(axes, chosen, shapes):
+        row[0].imshow(surface.render(*eye, EYE, PANEL), interpolation="antialiased")
         above = ABOVE["height"] * 1e3 / 2
         wide = above * PANEL[0] / PANEL[1]
-        row[1].imshow(surface.picture(liquid, ABOVE, PANEL, pale=True), extent=(-wide, wide, -above, above),
+        row[1].imshow(surface.render(*top, ABOVE, PANEL), extent=(-wide, wide, -above, above),
                       interpolation="antialiased")
-        draw_section(row[2], liquid)
+        draw_section(row[2], middle)
         for panel in row:
             panel.set(xticks=[], yticks=[])
             for spine in panel.spines.values():

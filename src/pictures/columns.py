@@ -5,19 +5,25 @@ import tables
 
 SKIP = ("step", "wall_time", "rejected", "time")
 BESIDE = ("volume", "viscous_work", "tension_work", "outside_work")  # of the flow, yet not drawn unless asked for
-WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside"}
+WORDS = {"lost": "left through open faces", "highest": "highest liquid", "outside_work": "work from outside",
+         "wetted": "wetted area", "contact_diameter": "diameter of the contact", "contact_angle": "contact angle shown",
+         "spread": "width of the contact", "contact_long": "long axis of the contact",
+         "contact_short": "short axis of the contact"}
 PREFIXES = {"k": 1e-3, "": 1, "m": 1e3, "µ": 1e6, "n": 1e9, "p": 1e12}
 TAKE_PREFIX = ("m", "m/s", "s", "J", "J/m", "N", "N/m", "Pa")
+POWERS = {"m2": 2, "m3": 3}
 ROUNDING = 1e-9  # of the largest value: a column that changes by less is constant
 
 
 def prefixed(value, unit):
-    """Factor and unit with which a value in an SI unit is a handy number: 0.05 and m give 1000 and mm."""
-    if not value or unit not in TAKE_PREFIX:
+    """Factor and unit with which a value in an SI unit is a handy number: 0.05 and m give 1000 and mm, 2e-6 and m2 give
+    1e6 and mm2."""
+    power = POWERS.get(unit, 1)
+    if not value or unit not in TAKE_PREFIX and unit not in POWERS:
         return 1, unit
-    wanted = [letter for letter in PREFIXES if letter != "k" or unit not in ("m", "s")]
-    letter = next((letter for letter in wanted if abs(value) * PREFIXES[letter] >= 1), wanted[-1])
-    return PREFIXES[letter], letter + unit
+    wanted = [letter for letter in PREFIXES if letter != "k" or unit[0] not in "ms"]
+    letter = next((letter for letter in wanted if abs(value) * PREFIXES[letter]**power >= 1), wanted[-1])
+    return PREFIXES[letter]**power, letter + unit
 
 
 def chosen(table, rows, wanted=None):
@@ -41,7 +47,10 @@ def chosen(table, rows, wanted=None):
 
 def title(row):
     """Words and unit of a column, from its row."""
-    return WORDS.get(row["name"], row["name"].replace("_", " ")), row["unit"]
+    name, whose = row["name"], row.get("whose") or ""
+    kind, mark, rest = name.partition(f"_{whose}") if whose else (name, "", "")
+    words = WORDS.get(kind, kind.replace("_", " "))
+    return words + (f" at {whose}{rest.replace('_', ', ')}" if mark else ""), row["unit"]
 
 
 def progress(table, rows, times):

@@ -4,10 +4,12 @@
 (function () {
   const data = JSON.parse(document.getElementById('series').textContent);
   const place = document.getElementById('curves'), HEIGHT = 130, plots = [];
+  const FEW = 6; // curves, which are all open
+  const all = data.groups.reduce((sum, group) => sum + group.curves.length, 0);
   const number = value => value == null ? 'none' : +value.toPrecision(4) + '';
   const marked = unit => (plot, values) => values.map(value => number(value) + (unit ? ' ' + unit : ''));
 
-  function plot(curve) {
+  function plot(curve, place) {
     const head = document.createElement('div'), name = document.createElement('b');
     const value = document.createElement('output');
     name.textContent = curve.title;
@@ -24,14 +26,30 @@
     };
     return new uPlot({
       width: place.clientWidth, height: HEIGHT, legend: {show: false}, hooks: read,
-      cursor: {sync: {key: 'time'}, y: false, drag: {x: false, y: false}},
+      pxAlign: false, cursor: {sync: {key: 'time'}, y: false, drag: {x: false, y: false}},
       scales: {x: {time: false}},
       axes: [{values: marked(data.unit), size: 28, space: 90}, {values: marked(curve.unit), size: 90, space: 25}],
-      series: [{}, {stroke: '#0072B2', width: 1.5, points: {show: false}}]
+      series: [{}, {stroke: '#0072B2', width: 1.5, pxAlign: 0, points: {show: false}}]
     }, [data.time, curve.values], place);
   }
 
-  for (const curve of data.curves) plots.push(plot(curve));
+  /* Groups of curves; the first is open, the others, if all are not few, draw themselves when they are opened, since they have no width
+     before. */
+  for (const group of data.groups) {
+    const fold = document.createElement('details'), title = document.createElement('summary');
+    let drawn = false;
+    title.textContent = `${group.title} (${group.curves.length})`;
+    fold.append(title);
+    place.appendChild(fold);
+    const draw = () => {
+      if (drawn || !fold.open) return;
+      drawn = true;
+      for (const curve of group.curves) plots.push(plot(curve, fold));
+    };
+    fold.addEventListener('toggle', draw);
+    fold.open = group === data.groups[0] || all <= FEW;
+    draw();
+  }
   window.addEventListener('resize', () => plots.forEach(
     plot => plot.setSize({width: place.clientWidth, height: HEIGHT})));
 })();

@@ -30,7 +30,7 @@ def frame(run, state, arguments, ends, view, path):
         axes.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
     else:
         colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
-        axes.imshow(views.picture(run, state, arguments.color, ends, colormap, *view))
+        axes.imshow(views.picture(run, views.Shape(run, state, arguments.color, ends, colormap), *view))
         axes.set(xticks=[], yticks=[])
         pictures.scale_bar(axes, view[0])
     axes.set_title(f"t = {data.duration(state.time)}")

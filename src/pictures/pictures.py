@@ -13,11 +13,12 @@ or .pdf, .svg.
 Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
 """
 import argparse
+import functools
 import os
 import sys
 
 import tables
-from display import with_display
+from display import together, with_display
 
 with tables.polite("pictures.py"):
     import matplotlib
@@ -101,14 +102,15 @@ def window(run, states):
 def surfaces(run, states, arguments, ends, folder):
     """Perspective, and the view from above."""
     colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
+    shapes = together(functools.partial(views.Shape, run, color=arguments.color, ends=ends, colormap=colormap), states)
     for name in ("surface", "top"):
         if name == "surface":
             view, half = views.camera(run, states, arguments.azimuth, arguments.elevation)
         else:
             view, half = views.above(run, states)
         figure, axes = grid(len(states), height=4.0 * views.PANEL[1] / views.PANEL[0] + 0.15)
-        for panel, state in zip(axes, states):
-            panel.imshow(views.picture(run, state, arguments.color, ends, colormap, view, half))
+        for panel, state, shape in zip(axes, states, shapes):
+            panel.imshow(views.picture(run, shape, view, half))
             panel.set(xticks=[], yticks=[])
             panel.spines[:].set_color("0.8")
             panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
@@ -118,18 +120,19 @@ def surfaces(run, states, arguments, ends, folder):
 
 
 def scale_bar(panel, view):
-    """A scale bar: exact in a parallel view; in perspective at the distance of the focus, with a note."""
+    """A scale bar below the picture: exact in a parallel view; in perspective at the distance of the focus, with a
+    note."""
     if "height" in view:
         height, note = view["height"], ""
     else:
         distance = np.linalg.norm(np.subtract(view["position"], view["focus"]))
         height, note = 2 * distance * np.tan(np.radians(view["angle"] / 2)), " (at the centre)"
-    pixel = height / views.PANEL[1]
     length = data.bar(height)
     unit, name = data.scale(length)
-    x, y = 0.05 * views.PANEL[0], 0.94 * views.PANEL[1]
-    panel.plot([x, x + length / pixel], [y, y], color="black", lw=2)
-    panel.text(x, y - 0.02 * views.PANEL[1], f"{length * unit:g} {name}{note}", fontsize=9)
+    share = length / height * views.PANEL[1] / views.PANEL[0]
+    panel.plot([0, share], [-0.03, -0.03], color="black", lw=2, transform=panel.transAxes, clip_on=False)
+    panel.text(share + 0.02, -0.03, f"{length * unit:g} {name}{note}", fontsize=9, va="center",
+               transform=panel.transAxes)
 
 
 def curves(run, folder, arguments):

@@ -26,6 +26,7 @@ VIEWER = [os.path.join(THREE, name) for name in ("three.min.js", "examples/js/co
 PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and jet beside the reference"),
             ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"))
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge", "Ca": "capillary"}
+GROUPS = ("Measured", "Forces", "Energies")  # of curves, in this order
 LINES = 2000  # most of the series that the curves have
 DIGITS = 6  # of their values
 
@@ -149,11 +150,20 @@ def through_time(run, arguments):
     if not found:
         return ""
     turn = "move" if found["flat"] else "turn"
-    return ('<h2>The liquid through time</h2>\n<div id="view"></div>\n<p class="bar"><button id="play">Play</button>'
+    return ('<h2>The liquid through time</h2>\n<div id="view"></div>\n'
+            '<p class="bar turn"><button id="play">Play</button>'
             '<input id="moment" type="range" min="0" value="0"><span id="time"></span>'
-            '<label>colour <select id="color"></select></label></p>\n<div id="scale"></div>\n'
-            f'<p class="small">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
+            '<label>colour <select id="color"></select></label></p>\n'
+            '<div id="scale" class="turn"></div>\n'
+            f'<p class="small turn">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
             f'{len(found["states"])} times.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
+
+
+def group_of(row):
+    """The group of a curve."""
+    if row["unit"] in ("J", "J/m"):
+        return "Energies"
+    return "Forces" if row["unit"] in ("N", "N/m") else "Measured"
 
 
 def curves(series, rows):
@@ -164,14 +174,15 @@ def curves(series, rows):
     def thinned(values, scale):
         return [float(f"{scale * value:.{DIGITS}g}") if math.isfinite(value) else None for value in values[::every]]
 
-    found = []
+    groups = {title: [] for title in GROUPS}
     for name, values in columns.chosen(series, rows).items():
         words, unit_of = columns.title(rows[name])
         scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
-        found.append({"title": words, "unit": unit_of or "", "values": thinned(values, scale)})
+        groups[group_of(rows[name])].append({"title": words, "unit": unit_of or "", "values": thinned(values, scale)})
+    found = [{"title": title, "curves": curves} for title, curves in groups.items() if curves]
     if not found:
         return ""
-    values = {"time": thinned(series["time"], factor), "unit": unit, "factor": factor, "curves": found}
+    values = {"time": thinned(series["time"], factor), "unit": unit, "factor": factor, "groups": found}
     with open(here("uplot/uPlot.min.css")[0], encoding="utf-8") as style, \
             open(here("uplot/LICENSE")[0], encoding="utf-8") as licence:
         head = f"<!-- uPlot:\n{licence.read()}-->\n<style>{style.read()}</style>\n"
@@ -180,10 +191,11 @@ def curves(series, rows):
 
 
 def pictures(folder, files):
-    """The pictures as parts of the page; draws them first if the last snapshot is newer."""
+    """The pictures as parts of the page; draws them first if the last snapshot is newer. Those that a case has drawn by
+    a program of its own are enough."""
     figures = os.path.join(folder, "figures")
-    drawn = os.path.join(figures, "section.png")
-    if not os.path.exists(drawn) or os.path.getmtime(drawn) < os.path.getmtime(files[-1][1]):
+    drawn = [os.path.join(figures, name) for name in ("figure_1.png", "section.png")]
+    if not any(os.path.exists(path) and os.path.getmtime(path) >= os.path.getmtime(files[-1][1]) for path in drawn):
         subprocess.run([sys.executable, os.path.join(HERE, "pictures.py"), folder], check=True)
     text = ""
     for name, title in PICTURES:

@@ -17,18 +17,22 @@ def text(value):
 
 
 FIELD_OF = {"speed": "velocity", "pressure": "pressure", "size": "volume"}  # of the snapshots, for each colour
+SWING = 1e-3  # of the range of the potential energy, above its start, that a crest has at least
 SOLID = -2  # INT_BODY of particles of the first of -solids; -3 is the second, and so on
 
 
 class State:
-    """A snapshot with its mirror images: time; points, velocity [n][3]; pressure, speed, body [n]; share [n]: volume
-    (of rings area) over spacing^dim; size [n]: the particle's spacing over the finest; solid [n][3]: dummy particles
-    of solids at this time; first [n]: the part of the particle's volume that was of the first body, None: not
-    stored. Rings are in the plane y = 0 on both sides of the axis z."""
+    """A snapshot with its mirror images: time; path; points, velocity [n][3]; pressure, speed, body [n]; share [n]:
+    volume (of rings area) over spacing^dim; size [n]: the particle's spacing over the finest; solid [n][3]: dummy
+    particles of solids at this time, solid_of [n]: the index of each one's solid; first [n]: the part of the
+    particle's volume that was of the first body, None: not stored. Rings are in the plane y = 0 on both sides of the
+    axis z."""
 
-    def __init__(self, time, points, velocity, pressure, body, share, size, solid, first=None):
+    def __init__(self, time, points, velocity, pressure, body, share, size, solid, first=None, solid_of=None,
+                 path=None):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
         self.share, self.size, self.solid, self.first = share, size, solid, first
+        self.solid_of, self.path = solid_of, path
 
     @property
     def speed(self):
@@ -143,7 +147,7 @@ class Run:
             body = np.ravel(file["body"])
             liquid = body >= 0
             moved = body <= SOLID
-            solid = np.array(file["position"], float)[moved]
+            solid, solid_of = np.array(file["position"], float)[moved], SOLID - body[moved]
             points = np.array(file["position"], float)[liquid]
             zero = np.zeros(len(points))
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
@@ -154,10 +158,12 @@ class Run:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
         # solids that move are in the snapshots, others in solids.h5
         still = ~np.isin(self.solid_of, SOLID - np.unique(body[moved]))
-        solid = np.concatenate([self.solid[still], self.reflect(solid)[0]])
+        solid, _, (solid_of,) = self.reflect(solid, others=[solid_of])
+        solid = np.concatenate([self.solid[still], solid])
+        solid_of = np.concatenate([self.solid_of[still], solid_of])
         others = [pressure, body[liquid], share, size, first]
         points, (velocity,), (pressure, body, share, size, first) = self.reflect(points, [velocity], others)
-        return State(time, points, velocity, pressure, body, share, size, solid, first)
+        return State(time, points, velocity, pressure, body, share, size, solid, first, solid_of, path)
 
     def around(self, points):
         """The points that a picture must contain; for rings with their points a quarter of a turn on."""
@@ -188,8 +194,22 @@ class Run:
         found = []
         for k, wanted in enumerate(np.linspace(0, 1, count) if count > 1 else [1]):
             last = int(np.clip(np.abs(done - wanted).argmin(), last + 1, len(done) - count + k))
-            found.append(self.files[last])
-        return found
+            found.append(last)
+        return [self.files[k] for k in self.at_crests(table, found)]
+
+    def at_crests(self, table, found):
+        """The snapshots 'found', but for the first and last, moved to the nearest crest of the potential energy if it
+        swings more often than there are pictures: waves are shown where they are high."""
+        energy = np.array(table.get("potential_energy", []), float)
+        if len(energy) < 3 or not np.isfinite(energy).all():
+            return found
+        energy = np.interp([time for time, _ in self.files], table["time"], energy)
+        inner, least = energy[1:-1], energy[0] + SWING * np.ptp(energy)
+        crest = 1 + np.flatnonzero((inner > energy[:-2]) & (inner >= energy[2:]) & (inner > least))
+        if len(crest) < len(found):
+            return found
+        moved = [found[0], *(int(crest[np.abs(crest - k).argmin()]) for k in found[1:-1]), found[-1]]
+        return moved if len(set(moved)) == len(moved) else found
 
     def unit(self, color):
         """The unit of a colour: that of its field in the snapshots; a size is a spacing."""

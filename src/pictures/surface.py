@@ -4,6 +4,8 @@ Lengths in m. The volume fraction is the particles' volume, spread by a Gaussian
 surface is its contour at LEVEL. Isolated particles that do not reach LEVEL are drawn as spheres of their own volume.
 Rings have a grid over the section through the axis, x and z; half of its contour is swept around the axis.
 """
+import functools
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -26,6 +28,8 @@ CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
 SMOOTHING = 25  # iterations of the mesh filter
 PASS_BAND = 0.06  # of the mesh filter
+SOFT = 6  # passes that average the normals of a picture
+SHARP = 4  # power of the cosine between two normals with which they are averaged: an edge stays
 WIDE = 1.5e-3  # m, reach of the shade in hollows
 AROUND = 240  # corners of a surface of revolution around its axis
 
@@ -164,6 +168,12 @@ class Liquid:
             np.moveaxis(self.block, axis, 0)[beyond] = 0
         self.block[..., :margin] = 0
 
+    @functools.lru_cache(maxsize=1)
+    def mesh(self):
+        """The surface in the form of triangles(), for all pictures of this liquid."""
+        points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell)
+        return points, softened(normals, cells), cells
+
     def places(self, points):
         """Points (m) in units of the grid's nodes."""
         return (in_plane(points, self.axes) - self.origin) / self.cell
@@ -213,6 +223,8 @@ def passed(algorithm, mesh):
 
 def smoothed(mesh):
     """A mesh of triangles or lines (vtkPolyData), smoothed."""
+    if mesh.GetNumberOfPoints() == 0:
+        return mesh
     smooth = vtkWindowedSincPolyDataFilter()
     smooth.SetNumberOfIterations(SMOOTHING)
     smooth.SetPassBand(PASS_BAND)
@@ -236,6 +248,21 @@ def with_normals(mesh, closed):
     vectors = vtk_to_numpy(mesh.GetPointData().GetNormals()).astype(float)
     cells = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     return points, vectors, cells
+
+
+def softened(normals, cells):
+    """Normals averaged over the mesh, but not across edges: a surface of particles is rough by a tenth of a spacing,
+    which highlights would show."""
+    if not len(cells):
+        return normals
+    pairs = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
+    one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
+    weight = np.clip(np.einsum("ij,ij->i", normals[one], normals[other]), 0, 1) ** SHARP
+    for _ in range(SOFT):
+        total = normals + np.stack([np.bincount(one, weight * normals[other, d], len(normals)) for d in range(3)],
+                                   axis=1)
+        normals = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
+    return normals
 
 
 def triangles(field, level, origin, cell):
@@ -316,7 +343,7 @@ def spheres(centers, radius):
 
 def surface(liquid, spread=False):
     """Points, normals, triangles and drop shares (spread: see drop_share) of the liquid's surface."""
-    mesh = triangles(liquid.block, LEVEL, liquid.origin, liquid.cell)
+    mesh = liquid.mesh()
     loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
     balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose], liquid.rings)
     own = np.repeat(liquid.of_drop[loose], len(balls[0]) // max(1, loose.sum()))
@@ -416,8 +443,9 @@ def render(points, cells, rgb, camera, size, lines=()):
     return image[::-1, :, :3].copy()
 
 
-def picture(liquid, camera, size, pale=False):
-    """Renders the surface: an array [height][width][3] of bytes. pale: a pale film, so that the drop's liquid shows.
+def painted(liquid, camera, pale=False):
+    """Points, triangles and colours [n][3] (bytes) of the surface as the camera sees it, for render(). pale: a pale
+    film, so that the drop's liquid shows.
 
     camera: position, focus, up (m), and either 'angle' (degrees, perspective) or 'height' (m, parallel projection).
     """
@@ -428,8 +456,7 @@ def picture(liquid, camera, size, pale=False):
     film = PALE_COLOR if pale else FILM_COLOR
     base = film + share[:, None] * (DROP_COLOR - film)
     shade = liquid.shade(points, normals)
-    rgb = colors(normals, base, shade, toward, 0.3 if pale else 1.0)
-    return render(points, cells, rgb, camera, size)
+    return points, cells, colors(normals, base, shade, toward, 0.3 if pale else 1.0)
 
 
 def section(liquid, window, pixels):

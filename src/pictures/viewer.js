@@ -8,7 +8,14 @@
   const FRAME = 150; // ms between times
   const NEAR = 0.01, FAR = 100; // of the camera; the scene has the size 1
   const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(data.angle, 1 / data.ratio, NEAR, FAR);
-  const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+  } catch (error) {
+    view.textContent = 'This browser has no WebGL, so the liquid cannot be turned here; the pictures below show it.';
+    document.querySelectorAll('.turn').forEach(part => { part.hidden = true; });
+    return;
+  }
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
   const CORNERS = 8; // of a disc
   const unit = place => place.map((x, d) => (x - data.focus[d]) / data.size);

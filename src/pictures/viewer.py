@@ -1,5 +1,6 @@
 """The data of viewer.js: the liquid, its colours, walls and solids at several times, as numbers of one or two bytes."""
 import base64
+import functools
 from types import SimpleNamespace
 
 import matplotlib
@@ -14,6 +15,7 @@ import columns
 import run as data
 import surface
 import views
+from display import together
 
 STEPS, SHADES = 65535, 255  # of a 16-bit coordinate, of an 8-bit value
 COARSEST = 2  # largest cells of the surface over those of a picture
@@ -136,7 +138,11 @@ def solid(run, state, most):
     if run.dim == 2:
         return state.solid, None
     points, _, cells = views.solid_mesh(run, state)
-    return thin(np.asarray(points, float), np.asarray(cells), most)
+    points, cells = np.asarray(points, float), np.asarray(cells)
+    if len(cells) > most:  # flat faces share no corners
+        points, at = np.unique(points, axis=0, return_inverse=True)
+        cells = at.ravel()[cells]
+    return thin(points, cells, most)
 
 
 def colorings(run, seen, several):
@@ -158,15 +164,20 @@ def colorings(run, seen, several):
     return found
 
 
+def moment(run, most, coarser, path):
+    """A state and its liquid()."""
+    state = run.read(path)
+    return state, *liquid(run, state, most, coarser)
+
+
 def scene(run, count, most):
     """All that viewer.js draws; None if there is no liquid."""
     shapes, parts, seen, solids = Shapes(run), [], {name: [] for name in COLORS}, []
-    bodies, coarser, last, several = len(run.bodies), None, None, False
-    for _, path in run.moments(count=count):
-        state = run.read(path)
+    bodies, last, several = len(run.bodies), None, False
+    paths = [path for _, path in run.moments(count=count)]
+    coarser = coarseness(run, run.read(paths[0]), most)
+    for state, points, cells, size, table in together(functools.partial(moment, run, most, coarser), paths):
         several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
-        coarser = coarser or coarseness(run, state, most)
-        points, cells, size, table = liquid(run, state, most, coarser)
         if not len(points):
             continue
         if last is None or not np.array_equal(last.solid, state.solid):

@@ -2,6 +2,7 @@
 import numpy as np
 from matplotlib.collections import EllipseCollection
 
+import solids
 import surface
 
 # Okabe and Ito, distinct for colour-blind eyes too
@@ -161,10 +162,16 @@ def base_colors(table, color, ends, colormap):
 
 
 def solid_mesh(run, state):
-    """Triangles of the solids."""
-    if not len(state.solid):
-        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
-    return Fluid(run, state.solid, np.zeros((len(state.solid), 1)), *np.ones((2, len(state.solid)))).mesh()[:3]
+    """Points, normals and triangles of the solids: as they are where their triangles are known, else the contour of
+    their dummy particles."""
+    (points, normals, cells), exact = solids.drawn(run, state.path) if len(state.solid) else (solids.flat(
+        np.zeros((0, 3, 3))), [])
+    rest = state.solid[~np.isin(state.solid_of, exact)]
+    if len(rest):
+        more = Fluid(run, rest, np.zeros((len(rest), 1)), *np.ones((2, len(rest)))).mesh()
+        cells = np.concatenate([cells, more[2] + len(points)])
+        points, normals = np.concatenate([points, more[0]]), np.concatenate([normals, surface.softened(*more[1:3])])
+    return points, normals, cells
 
 
 def floor_mesh(run, focus, half):
@@ -211,24 +218,33 @@ def above(run, states):
     return dict(position=focus + [0, 0, 1], focus=focus, up=(0, 1, 0), height=height), 0.5 * max(wide, high)
 
 
-def picture(run, state, color, ends, colormap, view, half, size=PANEL):
-    """Renders the liquid's surface, solids and floor: [height][width][3] bytes."""
-    fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share, state.size)
-    points, normals, cells, lonely = fluid.mesh()
-    balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
-    points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
-    cells = np.concatenate([cells, balls[2] + len(points) - len(balls[0])])
-    base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)
-    solid = solid_mesh(run, state)
-    base = np.concatenate([base, np.tile(rgb_of(SOLID_COLOR), (len(solid[0]), 1))])
-    cells = np.concatenate([cells, solid[2] + len(points)])
-    points, normals = np.concatenate([points, solid[0]]), np.concatenate([normals, solid[1]])
+class Shape:
+    """What a picture shows of a state, from wherever it is seen: points, normals, cells (triangles), base (colours) of
+    the liquid's surface and the solids."""
+
+    def __init__(self, run, state, color, ends, colormap):
+        fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share, state.size)
+        points, normals, cells, lonely = fluid.mesh()
+        normals = surface.softened(normals, cells)
+        balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
+        cells = np.concatenate([cells, balls[2] + len(points)])
+        points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
+        base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)
+        solid = solid_mesh(run, state)
+        self.base = np.concatenate([base, np.tile(rgb_of(SOLID_COLOR), (len(solid[0]), 1))])
+        self.cells = np.concatenate([cells, solid[2] + len(points)])
+        self.points, self.normals = np.concatenate([points, solid[0]]), np.concatenate([normals, solid[1]])
+
+
+def picture(run, shape, view, half, size=PANEL):
+    """Renders a Shape and the floor: [height][width][3] bytes."""
+    points = shape.points
     eye, focus = np.array(view["position"], float), np.array(view["focus"], float)
     toward = eye - points if "angle" in view else np.broadcast_to(eye - focus, points.shape)
     toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    rgb = surface.colors(normals, base, np.ones(len(points)), toward)
+    rgb = surface.colors(shape.normals, shape.base, np.ones(len(points)), toward)
     ground, corners = floor_mesh(run, focus, 1.5 * half)
-    cells = np.concatenate([cells, corners + len(points)])
+    cells = np.concatenate([shape.cells, corners + len(points)])
     points = np.concatenate([points, ground])
     rgb = np.concatenate([rgb, np.tile((255 * FLOOR).astype(np.uint8), (len(ground), 1))])
     return surface.render(points, cells, rgb, view, size)

@@ -14,6 +14,8 @@ import columns  # noqa: E402
 import pictures  # noqa: E402
 import report  # noqa: E402
 import run as data  # noqa: E402
+import solids as exact  # noqa: E402
+import surface  # noqa: E402
 import tables  # noqa: E402
 import viewer  # noqa: E402
 import views  # noqa: E402
@@ -163,6 +165,59 @@ close([c["ends"] for c in scales], [(0, 0.32), (1, 2)], "ends_of_colour_scales")
 told = [c["title"] for c in viewer.colorings(run, seen, False)]
 runs.check(told == ["speed"], "one_size_has_no_scale", told)
 
+# normals: a rough plane becomes even, an edge of a cube stays
+step = np.arange(20)
+x, y = np.meshgrid(step, step, indexing="ij")
+corner = (20 * x + y)[:-1, :-1].ravel()
+cells = np.concatenate([np.stack([corner, corner + 20, corner + 21], 1),
+                        np.stack([corner, corner + 21, corner + 1], 1)])
+rough = np.stack([0.3 * np.cos(3 * x), 0.3 * np.sin(2 * y), 1 + 0 * x], -1).reshape(-1, 3)
+rough /= np.linalg.norm(rough, axis=1, keepdims=True)
+even = surface.softened(rough, cells)
+runs.check_below(np.std(even[:, 0]), 0.35 * np.std(rough[:, 0]), "soft_normals")
+edge = np.where((x < 10).reshape(-1, 1), [1.0, 0, 0], [0, 0, 1.0])
+close(surface.softened(edge, cells), edge, "edges_stay")
+
+# solids as they are: a box that turned by 30 degrees about z and moved, from its dummy particles
+run.scene["solids"] = [{"name": "part", "shape": {"type": "box"}, "holes": [], "lower": [0.1, 0.02, 0.05],
+                        "upper": [0.3, 0.1, 0.2], "free": True, "driven": False}]
+turn = np.array([[np.cos(np.pi / 6), -0.5, 0], [0.5, np.cos(np.pi / 6), 0], [0, 0, 1]])
+first = dict(enumerate(np.random.default_rng(1).uniform([0.1, 0.02, 0.05], [0.3, 0.1, 0.2], (30, 3))))
+later = {k: turn @ place + [0.01, 0.05, 0] for k, place in first.items()}
+exact.places = lambda path, index: first if path == run.files[0][1] else later
+run.scene["time_start"] = run.files[0][0]
+mirrors, run.mirrors = run.mirrors, []
+(points, normals, cells), which = exact.drawn(run, run.files[1][1])
+run.mirrors = mirrors
+box = exact.CUBE * [0.2, 0.08, 0.15] + [0.1, 0.02, 0.05]
+moved = np.round(box @ turn.T + [0.01, 0.05, 0], 9)
+close(sorted(map(tuple, np.unique(np.round(points, 9), axis=0))), sorted(map(tuple, moved)),
+      "corners_of_a_box_that_turned")
+sides = {tuple(side) for side in np.round(np.abs(normals @ turn), 6)}
+runs.check(which == [0] and len(cells) == 12 and sides == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}, "faces_are_flat", sides)
+outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0))
+runs.check(np.all(outward > 0), "faces_look_out", outward.min())
+run.scene["solids"] = []
+
+# moments: a wave that swings more often than there are pictures is shown at its crests
+swing = data.Run.__new__(data.Run)
+swing.files = [(0.01 * k, f"snapshot_{k}") for k in range(100)]
+table = {"time": [t for t, _ in swing.files],
+         "potential_energy": [np.sin(2 * np.pi * 8 * t)**2 for t, _ in swing.files]}
+found = swing.at_crests(table, [0, 20, 40, 60, 80, 99])
+runs.check(found[0] == 0 and found[-1] == 99 and all(
+    table["potential_energy"][k] > 0.9 for k in found[1:-1]), "moments_at_crests", found)
+runs.check(swing.at_crests({**table, "potential_energy": list(range(100))}, [0, 20, 99]) == [0, 20, 99],
+           "moments_without_crests", "moved")
+
+# units of areas, and names of columns of a wall
+close(columns.prefixed(3e-6, "m2")[0], 1e6, "square_millimetres")
+runs.check(columns.prefixed(3e-6, "m2")[1] == "mm2" and columns.prefixed(5e-15, "m3") == (1e18, "µm3"),
+           "unit_of_an_area", columns.prefixed(5e-15, "m3"))
+told = [columns.title({"name": name, "unit": "m2", "whose": whose})[0] for name, whose in (
+    ("wetted_ymin", "ymin"), ("force_part_x", "part"), ("highest", None))]
+runs.check(told == ["wetted area at ymin", "force at part, x", "highest liquid"], "names_of_columns", told)
+
 # views: from the front, a little to the right and from above; all liquid is in the picture
 block = np.stack(np.meshgrid([-0.1, 0.3], [0.02, 0.18], [0.01, 0.2], indexing="ij"), axis=-1).reshape(-1, 3)
 cloud = data.State(0, np.repeat(block, 50, axis=0), None, None, None, None, None, np.zeros((0, 3)))
@@ -185,11 +240,14 @@ runs.check(view["height"] >= 0.16 and view["height"] / SHAPE >= 0.4, "all_from_a
 shown = []
 views.picture = lambda *a: (shown.append(a), np.zeros((views.PANEL[1], views.PANEL[0], 3), np.uint8))[1]
 pictures.surfaces(run, [state], arguments, ends, "")
-runs.check("angle" in shown[0][5] and "height" in shown[1][5], "perspective_and_from_above", [a[5] for a in shown])
+runs.check("angle" in shown[0][2] and "height" in shown[1][2] and shown[0][1] is shown[1][1],
+           "perspective_and_from_above_of_one_shape", [a[2] for a in shown])
 panel = FIGURES["top"].axes[0]
 bar, = panel.lines
 says, unit = panel.texts[0].get_text().split()
-close(np.ptp(bar.get_xdata()) * shown[1][5]["height"] / views.PANEL[1] * 1e3, float(says), "scale_bar_from_above")
+close(np.ptp(bar.get_xdata()) * shown[1][2]["height"] / SHAPE * 1e3, float(says), "scale_bar_from_above")
+runs.check(max(bar.get_ydata()) < 0 and bar.get_transform() == panel.transAxes, "scale_bar_below_the_picture",
+           str(bar.get_ydata()))
 runs.check(unit == "mm", "unit_of_the_scale_bar", unit)
 
 # rings: the axis points up, and each ring has the area of its volume over its length

@@ -188,8 +188,8 @@ def page():
         example = file.read().split("communicators are taken.\n")[1].split("\nWithout")[0]
     example = "import isph\n" + "".join(line[4:] or "\n" for line in example.splitlines(True))
     done = subprocess.run([sys.executable, "-c", example], cwd=runs.ROOT, stdout=subprocess.PIPE, text=True,
-                          check=False, env=dict(runs.environment(), PYTHONPATH=os.path.dirname(isph.__file__)), timeout=120,
-                          stderr=subprocess.STDOUT)
+                          check=False, env=dict(runs.environment(), PYTHONPATH=os.path.dirname(isph.__file__)),
+                          timeout=120, stderr=subprocess.STDOUT)
     words = done.stdout.split()
     runs.check(done.returncode == 0 and len(words) == 4 and 0.1 < float(words[0]) < 0.4 and words[3] == "m/s",
                "example_of_the_page", done.stdout[-300:])
