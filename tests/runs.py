@@ -79,21 +79,21 @@ def parts(*names):
     return (name,)
 
 
-def start(options, ranks=1, timeout=300):
-    """Runs the program with a string or list of options; the finished process with its texts."""
+def start(options, ranks=1, timeout=300, cwd=ROOT):
+    """Runs the program with a string or list of options in a folder; the finished process with its texts."""
     if isinstance(options, str):
         options = shlex.split(options)
     command = (["mpiexec", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + options
-    return subprocess.run(command, cwd=ROOT, env=environment(ranks), timeout=timeout, stdin=subprocess.DEVNULL,
+    return subprocess.run(command, cwd=cwd, env=environment(ranks), timeout=timeout, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
                           errors="replace")
 
 
-def run(options, folder, ranks=1, timeout=300):
+def run(options, folder, ranks=1, timeout=300, cwd=ROOT):
     """Runs to the end into scratch folder 'folder'; ends the test if that fails. Returns the path of the folder."""
     path = scratch(folder)
     arguments = (shlex.split(options) if isinstance(options, str) else options) + ["-output_dir", path]
-    process = start(arguments + ["-progress_interval", "0"], ranks, timeout)
+    process = start(arguments + ["-progress_interval", "0"], ranks, timeout, cwd)
     if process.returncode:
         check(False, folder, f"the run failed with code {process.returncode}: {process.stderr.strip()[-600:]}")
         done()

@@ -240,6 +240,9 @@ int            JournalFile(void);
    an options file, named here, in PETSC_OPTIONS or in .petscrc, that includes itself or is not a regular file.
    Collective. */
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop);
+/* OptionsFileFind - a relative path at which there is no file becomes that of a file in the folder of an options file,
+   the last one first. path: the same on all ranks. Collective. */
+PetscErrorCode OptionsFileFind(MPI_Comm comm, char path[PETSC_MAX_PATH_LEN]);
 /* WordsSplit - the words of a text as a vector of arguments behind the name of a program; words are split at blanks
    outside quotation marks. Free word[0] with free, then 'word': the texts are one. Returns their number, 0 without
    memory. Not collective. */

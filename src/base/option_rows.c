@@ -1,5 +1,6 @@
 /* Tables of options: reading, and the notes of what was read. */
 #include "json.h"
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -201,6 +202,40 @@ typedef struct {
   void            *value;
 } Reading;
 
+/* Refuses words that are no numbers, which PETSc calls input strings without a numeric value, and a gap between commas,
+   which PETSc would skip. */
+static PetscErrorCode CheckNumbers(const Reading *r, MPI_Comm comm)
+{
+  const PetscBool several = (PetscBool)(r->row->kind == ROW_NUMBERS || r->row->kind >= ROW_POINT);
+  const char     *unit = r->row->unit && strcmp(r->row->unit, "1") ? r->row->unit : NULL, *text = r->given;
+  char           *end = NULL;
+
+  PetscFunctionBegin;
+  if (!r->given[0] || (r->row->kind >= ROW_AXIS && isalpha((unsigned char)r->given[0])))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  do {
+    if (r->row->kind == ROW_INT)
+      (void)strtoll(text, &end, 10);
+    else
+      (void)strtod(text, &end);
+    if (end == text) break;
+    text = end + 1;
+  } while (several && *end == ',');
+  PetscCheckUser(end != r->given && end + 1 == text && !*end, comm,
+                 "-%s%s is %s; %s wanted%s%s, with nothing behind %s", r->prefix, r->row->name + 1, r->given,
+                 several                   ? "numbers with single commas between them are"
+                 : r->row->kind == ROW_INT ? "a whole number is"
+                                           : "a number is",
+                 unit ? ", in " : "", unit ? unit : "", several ? "them" : "it");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the words of an option are what holds without it: "none". */
+static PetscBool IsFallback(const Reading *r)
+{
+  return (PetscBool)(r->set && r->row->kind == ROW_REAL && r->row->fallback && !strcmp(r->given, r->row->fallback));
+}
+
 static PetscErrorCode ReadReal(Reading *r, OptionItems PetscOptionsObject)
 {
   PetscReal *value = (PetscReal *)r->value;
@@ -286,6 +321,20 @@ static PetscErrorCode ReadNames(Reading *r, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The option names the file where it was found, for all who read it again: the dump, scene.json, a restart. */
+static PetscErrorCode FindFile(Reading *r, OptionItems items)
+{
+  char path[PETSC_MAX_PATH_LEN], name[OPTION_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(path, r->given, sizeof(path)));
+  PetscCall(OptionsFileFind(items->comm, path));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", r->prefix, r->row->name + 1));
+  PetscCall(PetscOptionsSetValue(items->options, name, path));
+  PetscCall(PetscOptionsFindPair(items->options, items->prefix, r->row->name, &r->given, &r->set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Read(Reading *r, OptionItems PetscOptionsObject)
 {
   PetscBool *flag = (PetscBool *)r->value;
@@ -337,6 +386,13 @@ PetscErrorCode OptionsReadVectors(OptionItems items, const OptionRow rows[], con
     Tell(row, data, standard);
     PetscCall(PetscOptionsFindPair(items->options, items->prefix, row->name, &r.given, &r.set)); /* of any length */
     if (!r.given) r.given = "";
+    if (IsFallback(&r)) {
+      PetscCall(Note(row, items->prefix, items->title, place, PETSC_TRUE, NULL, standard));
+      continue;
+    }
+    if (row->kind <= ROW_INT || row->kind == ROW_NUMBERS || row->kind >= ROW_POINT)
+      PetscCall(CheckNumbers(&r, items->comm));
+    if (row->kind == ROW_FILE && r.set) PetscCall(FindFile(&r, items));
     if (row->kind >= ROW_POINT && vector)
       PetscCall((*vector)(context, items, row, r.help, place, (PetscReal *)r.value));
     else

@@ -9,12 +9,45 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DEPTH_MAX   32 /* of nested options files */
-#define LINE_LENGTH 8192
-#define KEY         "-options_file"
-#define BLANKS      " \t\r\n\"'"
+#define DEPTH_MAX    32 /* of nested options files */
+#define LINE_LENGTH  8192
+#define FOLDERS_MOST 32
+#define KEY          "-options_file"
+#define BLANKS       " \t\r\n\"'"
 
 static PetscBool TextIsShallow(char text[], int left);
+
+/* The folders of the options files, of rank 0. */
+static struct {
+  int  count;
+  char name[FOLDERS_MOST][PETSC_MAX_PATH_LEN];
+} folders;
+
+static void NoteFolder(const char file[])
+{
+  const char  *slash = strrchr(file, '/');
+  const size_t size  = slash ? (size_t)(slash + 1 - file) : 0;
+
+  if (!size || size >= PETSC_MAX_PATH_LEN || folders.count == FOLDERS_MOST) return;
+  (void)memcpy(folders.name[folders.count], file, size);
+  folders.name[folders.count++][size] = 0;
+}
+
+PetscErrorCode OptionsFileFind(MPI_Comm comm, char path[PETSC_MAX_PATH_LEN])
+{
+  char        longer[2 * PETSC_MAX_PATH_LEN];
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  for (int k = folders.count; !rank && k-- && path[0] != '/' && access(path, F_OK);) {
+    (void)snprintf(longer, sizeof(longer), "%s%s", folders.name[k], path);
+    if (strlen(longer) < PETSC_MAX_PATH_LEN && !access(longer, F_OK))
+      PetscCall(PetscStrncpy(path, longer, PETSC_MAX_PATH_LEN));
+  }
+  PetscCallMPI(MPI_Bcast(path, PETSC_MAX_PATH_LEN, MPI_CHAR, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* Whether the file is regular and includes files less than 'left' levels deep. PETSc opens a file twice, so a pipe
    would be empty. */
@@ -28,6 +61,7 @@ static PetscBool FileIsShallow(const char file[], int left)
   if (stat(file, &info)) return good; /* PETSc refuses it */
   if (!S_ISREG(info.st_mode)) return PETSC_FALSE;
   if (!(text = fopen(file, "r"))) return good;
+  NoteFolder(file);
   while (good && fgets(line, sizeof(line), text)) good = TextIsShallow(line, left);
   (void)fclose(text);
   return good;
@@ -159,6 +193,13 @@ int WordsSplit(const char text[], char ***word)
   return count;
 }
 
+static PetscBool EndsInComma(const char word[])
+{
+  const size_t size = strlen(word);
+
+  return (PetscBool)(size > 0 && word[size - 1] == ',');
+}
+
 PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBool *stop)
 {
   static char help[] = "-help", help_on[] = HELP_OPTION;
@@ -173,6 +214,9 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
     if (!strcmp(word, "-h") || !strcmp(word, "--help") || !strcmp(word, "-help"))
       (*argv)[k] = k + 1 < *argc && (*argv)[k + 1][0] != '-' && strcmp((*argv)[k + 1], "intro") ? help_on : help;
     if (!strcmp(word, "--version") || !strcmp(word, "-version")) *stop = PETSC_TRUE;
+    if (word[0] != '-' && (*argv)[k - 1][0] != '-' && (word[0] == ',' || EndsInComma((*argv)[k - 1])))
+      return UserError(comm, "%s%s stands in two words: write numbers without blanks between them", (*argv)[k - 1],
+                       word);
     if (word[0] != '-' && (*argv)[k - 1][0] != '-')
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);
   }

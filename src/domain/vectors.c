@@ -56,23 +56,6 @@ static PetscErrorCode ReadAxis(Domain domain, OptionItems PetscOptionsObject, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a list in which a number is missing between commas: PETSc would skip the gap. */
-static PetscErrorCode RefuseGaps(Domain domain, OptionItems PetscOptionsObject, const char option[])
-{
-  const char *prefix = PetscOptionsObject->prefix ? PetscOptionsObject->prefix : "";
-  char        text[4 * TEXT_LENGTH];
-  size_t      length = 0;
-  PetscBool   found;
-
-  PetscFunctionBegin;
-  PetscCall(
-    PetscOptionsGetString(PetscOptionsObject->options, PetscOptionsObject->prefix, option, text, sizeof(text), &found));
-  if (found) PetscCall(PetscStrlen(text, &length));
-  PetscCheckUser(!length || (text[0] != ',' && text[length - 1] != ',' && !strstr(text, ",,")), domain->comm,
-                 "-%s%s %s lacks a number: give numbers with single commas between them", prefix, option + 1, text);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Reads a point or a direction; *value: the default on entry. */
 static PetscErrorCode ReadComponents(Domain domain, OptionItems PetscOptionsObject, const OptionRow *row,
                                      const char help[], const char function[], PetscReal value[DIM])
@@ -83,7 +66,6 @@ static PetscErrorCode ReadComponents(Domain domain, OptionItems PetscOptionsObje
   PetscBool   found;
 
   PetscFunctionBegin;
-  PetscCall(RefuseGaps(domain, PetscOptionsObject, option));
   PetscCall(PetscOptionsRealArray(option, help, function, number, &count, &found));
   if (found) {
     PetscCheckUser(count == domain->dim || (count == DIM && !domain->rings), domain->comm,

@@ -57,8 +57,8 @@ static const OptionRow material[] = {
 
 static const OptionRow contact[] = {
   {"-contact_angle",
-   "Contact angle of the free surface on the solid, in the liquid; 0: the liquid does not wet the solid", "degrees",
-   "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle)},
+   "Contact angle of the free surface on the solid, in the liquid; without one the liquid does not wet it", "degrees",
+   "(0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle), .fallback = "none"},
   {"-contact_hysteresis",
    "Advancing minus receding contact angle, half of it on either side of -contact_angle; between them contact lines do "
    "not move",

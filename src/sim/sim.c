@@ -98,7 +98,7 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscOptionsBegin(sim->comm, NULL, DEEDS, "Sim");
   PetscCall(OptionsRead(PetscOptionsObject, deeds, "SimSetFromOptions", sim));
   PetscOptionsEnd();
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-time_end", &sim->has_end));
+  sim->has_end = OptionFind("-time_end")->given;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-output_dir", &sim->writes));
   if (!sim->embedded) sim->writes = PETSC_TRUE;
   for (const OptionRow *row = deeds; row->name; row++)

@@ -318,6 +318,8 @@ def half(t):
     other = t.run(part)
     if images * len(other.first["id"]) != len(places):
         raise Unfit("the lattice of the whole has particles on the mirror")
+    if nearest(scene, other.first["position"], places)[1].max() > SAME_PLACE:
+        raise Unfit("of points that are as near to the surface of a body, the half's packing has others")
     whole, less = (runs.series(r.folder)["kinetic_energy"] for r in (whole, other))
     apart = np.abs(whole - images * less).max() / max(np.abs(whole).max(), 1e-300)
     return [] if apart <= 1e-6 else [f"kinetic energies differ by {apart:.2g} of it"]
