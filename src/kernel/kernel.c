@@ -168,7 +168,7 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
 
 #define PLANE_POINTS 400 /* of the midpoint rule over a plane */
 #define DEPTH_POINTS 200 /* of the midpoint rule over the depth of a half-space */
-#define BISECTIONS   50  /* of the search for a depth */
+#define BISECTIONS   25  /* of the search for a depth between two of these */
 
 /* w1(s) of KernelHalfSpace by the midpoint rule: along the chord in two dimensions, over rings 2 pi r dr in three. */
 static PetscReal PlaneIntegral(Kernel kernel, PetscReal s)
@@ -199,27 +199,34 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
   }
 }
 
+PetscReal KernelSlice(Kernel kernel, PetscReal from, PetscReal to)
+{
+  return (to - from) / 6 *
+         (PlaneIntegral(kernel, from) + 4 * PlaneIntegral(kernel, 0.5 * (from + to)) + PlaneIntegral(kernel, to));
+}
+
 void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[])
 {
-  const PetscReal support = KernelSupport(kernel);
-  PetscReal       zero, depth = 0;
+  const PetscReal step = KernelSupport(kernel) / DEPTH_POINTS, zero = PlaneIntegral(kernel, 0);
+  PetscReal       above = 0, filled = 0.5; /* a depth, F there */
 
-  KernelHalfSpace(kernel, 0, &zero, NULL);
   fraction[0] = 1;
   fraction[n] = 0.5;
-  for (PetscInt k = n - 1; k > 0; k--) { /* w1 decreases with depth, so each bisection starts at the depth before */
-    PetscReal low = depth, high = support, plane;
+  for (PetscInt k = n - 1; k > 0; k--) { /* w1 decreases with depth */
+    PetscReal low, high;
 
+    for (; PlaneIntegral(kernel, above + step) * n > zero * k; above += step)
+      filled += KernelSlice(kernel, above, above + step);
+    low  = above;
+    high = above + step;
     for (PetscInt bisection = 0; bisection < BISECTIONS; bisection++) {
       const PetscReal middle = 0.5 * (low + high);
 
-      KernelHalfSpace(kernel, middle, &plane, NULL);
-      if (plane * n > zero * k)
+      if (PlaneIntegral(kernel, middle) * n > zero * k)
         low = middle;
       else
         high = middle;
     }
-    depth = 0.5 * (low + high);
-    KernelHalfSpace(kernel, depth, NULL, &fraction[k]);
+    fraction[k] = filled + KernelSlice(kernel, above, low);
   }
 }

@@ -62,6 +62,8 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
    w1(s), over the plane of the surface (1/m), which equals |int grad W| over the liquid. fraction: F(s), over the
    liquid (1). Either may be NULL. Not collective. */
 void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction);
+/* KernelSlice - F(to) - F(from) (1) by Simpson's rule, for close depths (m). Not collective. */
+PetscReal KernelSlice(Kernel kernel, PetscReal from, PetscReal to);
 /* KernelSurfaceTable - fraction[k] = F(s) at the depth s where w1(s)/w1(0) = k/n, k = 0 to n. It gives the filled
    fraction of the kernel near a flat surface from |sum V grad W|. Not collective. */
 void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[]);

@@ -64,7 +64,7 @@ static PetscErrorCode CurvatureSetUp(void *owner)
     while (m < WALL_TABLE && next < wanted) {
       fraction = next;
       m++;
-      KernelHalfSpace(tension->kernel, support * m / WALL_TABLE, NULL, &next);
+      next += KernelSlice(tension->kernel, support * (m - 1) / WALL_TABLE, support * m / WALL_TABLE);
     }
     tension->depth[k] =
       support / WALL_TABLE * (m > 0 ? m - 1 + PetscMin(1, (wanted - fraction) / (next - fraction)) : 0);
