@@ -5,21 +5,21 @@
    emissions of 8 rows. */
 #include "emitters.h"
 
-#define NAME "emitters"
-
 static const NumberRow rows[] = {
   {"inflow_energy", NUMBER_REAL, 0, ENERGY_BROUGHT, "emitters"},
   {.name = NULL},
 };
 
-PetscReal *EmittersEnergy(Stepper stepper, const StepState *state)
+static PetscErrorCode Destroy(Stepper stepper)
 {
-  return (PetscReal *)StepperNumbers(stepper, state, NAME);
+  PetscFunctionBegin;
+  PetscCall(EmissionsDestroy(EmittersOf(stepper)));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscBool On(Stepper stepper)
 {
-  return SceneEmits(StepperCloud(stepper)->scene);
+  return SceneComesLater(StepperCloud(stepper)->scene);
 }
 
 static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
@@ -32,12 +32,18 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
     const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
     PetscReal        v[DIM], radius = 0.5 * cloud->size[a] * cloud->domain->spacing;
 
-    if (!BodyEmits(body)) continue;
+    if (!BodyComesLater(body)) continue;
     BodyEmissionVelocity(body, StepperTime(stepper), x, v);
     if (BodyHolds(body, x, radius + dt * Norm(v))) PetscCall(ViscousHold(stepper, a, v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge EmitterEdge = {
-  .name = NAME, .number_size = sizeof(PetscReal), .numbers = rows, .on = On, .drives = On, .hold = Hold};
+const Edge EmitterEdge = {.name        = EMITTERS_EDGE,
+                          .data_size   = sizeof(Emissions),
+                          .number_size = sizeof(PetscReal),
+                          .numbers     = rows,
+                          .destroy     = Destroy,
+                          .on          = On,
+                          .drives      = On,
+                          .hold        = Hold};

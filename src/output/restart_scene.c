@@ -66,7 +66,7 @@ static PetscBool OnlyAtStart(Scene scene, const char line[])
   static const char start[] = "-time_start", packing[] = "-packing_", cache[] = "-packing_cache";
 
   if (!strncmp(line, cache, strlen(cache))) return PETSC_FALSE;
-  if (!strncmp(line, packing, strlen(packing))) return (PetscBool)!SceneEmits(scene);
+  if (!strncmp(line, packing, strlen(packing))) return (PetscBool)!SceneComesLater(scene);
   return (PetscBool)(!strncmp(line, start, strlen(start)));
 }
 

@@ -82,7 +82,7 @@ static PetscBool Sound(Cloud cloud, PetscInt n, const PetscInt id[], const Petsc
     }
   }
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
-    if (filled[b] == BodyEmits(SceneBody(cloud->scene, b))) return PETSC_FALSE;
+    if (filled[b] == BodyComesLater(SceneBody(cloud->scene, b))) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 

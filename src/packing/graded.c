@@ -235,7 +235,7 @@ PetscErrorCode GradedSetUp(Packing packing)
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   PetscCall(CheckSolids(packing->cloud->domain, scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    if (BodyEmits(SceneBody(scene, b)))
+    if (BodyComesLater(SceneBody(scene, b)))
       PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));
     else
       PetscCall(AddBody(packing, b, level, length[b], samples, &id));

@@ -305,7 +305,7 @@ PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], Pe
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     level[b] = -PETSC_MAX_REAL; /* an emitter has no lattice points */
-    if (!BodyEmits(SceneBody(scene, b))) PetscCall(FitLevel(packing, b, &level[b], &length[b]));
+    if (!BodyComesLater(SceneBody(scene, b))) PetscCall(FitLevel(packing, b, &level[b], &length[b]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -393,7 +393,7 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
   PetscFunctionBegin;
   PetscCall(LatticeFit(packing, level, length));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
-    if (!BodyEmits(SceneBody(scene, b)))
+    if (!BodyComesLater(SceneBody(scene, b)))
       PetscCall(VisitBody(packing, b, packing->cloud->comm, level, length[b], visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

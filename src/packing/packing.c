@@ -72,7 +72,6 @@ PetscErrorCode PackingDestroy(Packing *packing)
   if (!*packing) PetscFunctionReturn(PETSC_SUCCESS);
   if ((*packing)->ops->destroy) PetscCall((*packing)->ops->destroy(*packing));
   PetscCall(PetscFree((*packing)->data));
-  PetscCall(EmissionsDestroy(*packing));
   PetscCall(GradedDestroy(*packing));
   PetscCall(PetscFree(*packing));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -98,7 +97,7 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
   for (PetscInt k = 0; k < all; k++) {
     const Body body = k < bodies ? SceneBody(scene, k) : SceneSolid(scene, k - bodies);
 
-    PetscCheckUser(count[k] > 0 || (k < bodies && BodyEmits(body)), cloud->comm,
+    PetscCheckUser(count[k] > 0 || (k < bodies && BodyComesLater(body)), cloud->comm,
                    "no particle of -spacing %g m fits into the %s %s: it is too small for the spacing, or covered by a "
                    "solid",
                    (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body));
@@ -123,7 +122,7 @@ static PetscErrorCode CreateParticles(Packing packing)
     first_id += count[k];
   }
   packing->count = count[0];
-  PetscCheckUser(packing->count > 0 || SceneEmits(cloud->scene), cloud->comm,
+  PetscCheckUser(packing->count > 0 || SceneComesLater(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
   if (domain->follow) PetscCall(ResampleWalls(cloud));

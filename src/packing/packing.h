@@ -30,18 +30,6 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report);
 /* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position; ends with
    CloudResync. Collective. */
 PetscErrorCode PackingSetVelocities(Packing packing);
-/* PackingEmit - adds to the swarm the liquid that emitters have brought since the last call, up to the time (s), and
-   gives the liquid inside an emitter the emitter's velocity. resumed: the first call of a continued run, which only
-   counts what emitters brought before. *emitted: new particles over all ranks; if there are any, ends with CloudResync.
-   Collective. */
-PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted);
-/* PackingEmitted - how many particles emitters have brought up to and at the time (s), after the first PackingEmit. Not
-   collective. */
-PetscReal PackingEmitted(Packing packing, PetscReal time);
-/* PackingFillingVolume - volume (m3, in two dimensions m2) of the particles of one filling of an emitter, the body of
-   this index, after the first PackingEmit: over that of its shape, it is the emitter's flux over the one of its
-   options. Not collective. */
-PetscReal      PackingFillingVolume(Packing packing, PetscInt body);
 PetscErrorCode PackingDestroy(Packing *packing);
 
 #endif

@@ -3,45 +3,7 @@
 #define ISPH_PACKING_TYPES_H
 
 #include "../neighbors/pairs.h"
-#include "packing.h"
-
-/* A particle to be made: position x (m), velocity v (m/s) and integers as in the field table. density (kg/m3): 0 if it
-   is summed later. area: the area of a ring, or the volume of a graded particle, over V_0. size: of a graded ring; 0:
-   the finest size. */
-typedef struct {
-  PetscReal x[DIM], v[DIM], density, area, size;
-  PetscInt  id, parent, body, layer;
-} Sample;
-
-static inline PetscReal SampleSize(const Sample *sample)
-{
-  return sample->size > 0 ? sample->size : 1;
-}
-
-/* A source passes its samples, one after the other, to a visitor: on each rank a part of them. Positions and ids do not
-   depend on the number of ranks. Collective. */
-typedef PetscErrorCode (*SampleVisitor)(void *context, const Sample *sample);
-typedef PetscErrorCode (*SampleSource)(void *source, SampleVisitor visitor, void *context);
-
-/* OwnShare - this rank's share of 'count' points: first to last - 1. Not collective. OwnNumbers - *first: the sum of n
-   over the ranks before this one, *last: over all. Collective. */
-void           OwnShare(MPI_Comm comm, PetscInt count, PetscInt *first, PetscInt *last);
-PetscErrorCode OwnNumbers(MPI_Comm comm, PetscInt n, PetscInt *first, PetscInt *last);
-/* SampleKeep - a visitor: adds the sample to a PetscSegBuffer of samples. SamplesTake - the n samples of the buffer,
-   which is destroyed; the caller frees them with PetscFree. Not collective. */
-PetscErrorCode SampleKeep(void *buffer, const Sample *sample);
-PetscErrorCode SamplesTake(PetscSegBuffer *buffer, PetscInt *n, Sample **sample);
-/* SamplesAppend - appends this rank's samples to the swarm, with ids and parents counted from first_id on; *count:
-   number of samples on all ranks. CloudResync then moves them to the ranks of their cells. Collective. */
-PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
-                             PetscInt *count);
-
-/* The points of an emitter, which it brings at each emission. */
-typedef struct {
-  PetscInt   n, done; /* points; emissions so far */
-  PetscReal *x;       /* [n][3] m; NULL: not yet known */
-  PetscReal  area;    /* of each point, as in Sample */
-} Emission;
+#include "samples.h"
 
 /* A type: one file and one line in packing.c. Entries other than visit may be NULL. */
 typedef struct {
@@ -60,7 +22,6 @@ struct _p_Packing {
   PetscInt          seed;
   PetscInt          count; /* fluid particles, over all ranks */
   char              cache[PETSC_MAX_PATH_LEN];
-  Emission          emission[SCENE_MAX_BODIES];
   PetscInt          graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls */
   Sample           *graded[2];       /* [graded_count], NULL until GradedSetUp */
 };
@@ -106,8 +67,6 @@ PetscReal      LatticeJitter(Packing packing);
 void           LatticeShake(Packing packing, PetscReal spacing, Sample *sample);
 PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal length[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);
-/* LatticeVisitBody - passes the lattice points of one body to the visitor. Collective. */
-PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
 
 /* Dummy particles, 'layers' deep: the source of WallVisit and SolidVisit. WallVisit - of all wall faces: the box's
    lattice, continued beyond the box, edges and corners included; the parent of a deeper particle is the nearest
@@ -157,8 +116,6 @@ PetscErrorCode GradedSetUp(Packing packing);
 PetscErrorCode GradedVisit(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode GradedVisitWalls(void *source, SampleVisitor visitor, void *context);
 PetscErrorCode GradedDestroy(Packing packing);
-/* EmissionsDestroy - frees what emitters bring. */
-PetscErrorCode EmissionsDestroy(Packing packing);
 
 /* PackingCheckMemory - refuses (UserError) a scene with more particles than the ranks' machines have memory for.
    Collective. */

@@ -36,7 +36,7 @@ static PetscBool CoarseEnough(const Region *region, const PetscReal x[DIM])
     BodyDisplace(SceneBody(scene, region->body), y);
     if (!BodyContains(SceneBody(scene, region->body), y) || SceneSolidDistance(scene, y, NULL) <= 0) return PETSC_FALSE;
     for (PetscInt other = 0; other < region->body; other++)
-      if (!BodyEmits(SceneBody(scene, other)) && BodyContains(SceneBody(scene, other), y)) return PETSC_FALSE;
+      if (!BodyComesLater(SceneBody(scene, other)) && BodyContains(SceneBody(scene, other), y)) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }

@@ -28,7 +28,7 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscCall(PetscFree((*body)->shape_data));
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
-  PetscCall(PetscFree((*body)->emitter));
+  PetscCall(PetscFree((*body)->type_data));
   PetscCall(SolidMotion.destroy(*body));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -43,10 +43,10 @@ PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
 
   PetscFunctionBegin;
   BodyBounds(body, lower, upper);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s within %g, %g, %g to %g, %g, %g m\n", body->name,
-                                   body->emitter ? "emitter, " : "", body->shape_type, (double)lower[0],
-                                   (double)lower[1], (double)lower[2], (double)upper[0], (double)upper[1],
-                                   (double)upper[2]));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s%s within %g, %g, %g to %g, %g, %g m\n", body->name,
+                                   BodyComesLater(body) ? body->type : "", BodyComesLater(body) ? ", " : "",
+                                   body->shape_type, (double)lower[0], (double)lower[1], (double)lower[2],
+                                   (double)upper[0], (double)upper[1], (double)upper[2]));
   if (!body->velocity) { /* a solid */
     if (body->motion) PetscCall(SolidMotion.view(body, tension, viewer));
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,4 +158,9 @@ void BodyMotion(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[
 {
   for (PetscInt d = 0; d < DIM; d++) v[d] = 0;
   if (solid->motion) SolidMotion.velocity(solid, time, x, v);
+}
+
+PetscBool BodyComesLater(Body body)
+{
+  return (PetscBool)(body->kind && body->kind->later);
 }

@@ -52,9 +52,10 @@ static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal
     MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
 }
 
-/* A type of body. Liquid that is there from the start has none of these functions. */
+/* A type of body. Liquid that is there from the start has none of these. */
 typedef struct {
-  Choice choice;
+  Choice    choice;
+  PetscBool later;                                                         /* see BodyComesLater */
   PetscBool (*holds)(Body body, const PetscReal x[DIM], PetscReal behind); /* see BodyHolds */
   void (*moments)(Body body, Moments *moments);                            /* adds those of the body */
 } BodyTypeOps;
@@ -96,7 +97,7 @@ struct _p_Body {
   Material            material;
   char                type[SCENE_NAME_LENGTH];
   const BodyTypeOps  *kind;               /* NULL of a solid */
-  void               *emitter;            /* data of the type, as shape_data; NULL: liquid from the start */
+  void               *type_data;          /* as shape_data */
   PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
   PetscReal           contact_hysteresis; /* of a solid, degrees */
   struct _p_Motion   *motion;             /* of a solid that can move; else NULL */

@@ -157,8 +157,8 @@ PetscErrorCode BodySetFromOptions(Body body)
   PetscCall(Read(body, PetscOptionsObject, moving, body));
   PetscCall(ReadChosen(body, PetscOptionsObject, &moving[1], &body->velocity_data, &choice));
   body->velocity = (const VelocityOps *)choice;
-  PetscCall(Read(body, PetscOptionsObject, typed, body)); /* last: an emitter looks at shape and velocity */
-  PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->emitter, &choice));
+  PetscCall(Read(body, PetscOptionsObject, typed, body)); /* last: a type may look at shape and velocity */
+  PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->type_data, &choice));
   body->kind = (const BodyTypeOps *)choice;
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
@@ -242,7 +242,7 @@ PetscErrorCode SceneHelp(MPI_Comm comm)
   PetscCall(ReadChosen(body, NULL, shaped, &body->shape_data, &choice));
   PetscCall(ReadChosen(body, NULL, fluid, &body->viscosity_data, &choice));
   PetscCall(ReadChosen(body, NULL, &moving[1], &body->velocity_data, &choice));
-  PetscCall(ReadChosen(body, NULL, typed, &body->emitter, &choice));
+  PetscCall(ReadChosen(body, NULL, typed, &body->type_data, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));
   PetscOptionsEnd();

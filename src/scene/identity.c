@@ -53,7 +53,7 @@ static void PrintBody(FILE *text, Body body)
   fprintf(text, "-%sdensity = %.12g\n-%stension = %.12g\n", body->prefix, (double)body->material.density, body->prefix,
           (double)body->material.tension);
   PrintShape(text, body);
-  if (body->emitter) return;
+  if (BodyComesLater(body)) return;
   fprintf(text, "-%svelocity = ", body->prefix);
   PrintNumbers(text, body->domain->dim, body->uniform);
   fprintf(text, "-%svelocity_type = %s\n", body->prefix, body->velocity_type);

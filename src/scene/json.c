@@ -94,7 +94,7 @@ static void WriteBody(Json *json, Scene scene, PetscInt b)
   JsonReals(json, "velocity", scene->domain->dim, body->uniform);
   WriteChoice(json, "velocity_field", body, &body->velocity->choice, body->velocity_data);
   JsonObject(json, "emitter");
-  if (body->emitter) WriteRows(json, body, BodyTypeEmitter.choice.options, body->emitter);
+  if (body->type_data) WriteRows(json, body, body->kind->choice.options, body->type_data);
   JsonEnd(json);
   WriteNumbers(json, scene, b);
   JsonEnd(json);

@@ -142,10 +142,6 @@ static PetscErrorCode CheckRings(Scene scene)
     const Body body = scene->body[b];
     PetscReal  lower[DIM], upper[DIM];
 
-    PetscCheckUser(!BodyEmits(body) || (body->uniform[0] == 0 && !body->velocity->add), domain->comm,
-                   "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, so the first "
-                   "number of -%svelocity must be 0 and -%svelocity_type uniform; else the rings would grow",
-                   body->prefix, body->prefix, body->prefix);
     BodyBounds(body, lower, upper);
     for (PetscInt k = 0; k < AXIS_SAMPLES && lower[0] <= 0; k++) {
       const PetscReal x[DIM] = {0, lower[1] + (upper[1] - lower[1]) * k / (AXIS_SAMPLES - 1), 0};
@@ -260,6 +256,13 @@ void SceneSetShaking(Scene scene, const PetscReal shake[DIM])
 PetscInt SceneSolidCount(Scene scene)
 {
   return scene->solids;
+}
+
+PetscBool SceneComesLater(Scene scene)
+{
+  for (PetscInt b = 0; b < scene->count; b++)
+    if (BodyComesLater(scene->body[b])) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 Body SceneSolid(Scene scene, PetscInt index)

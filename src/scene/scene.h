@@ -185,18 +185,12 @@ PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, P
 void BodyDisplace(Body body, PetscReal x[DIM]);
 /* BodyVelocity - the initial velocity v (m/s) at x (m). */
 void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
-/* BodyHolds - whether the velocity of the body's liquid at x (m) is given: inside the shape of an emitter, and up to
-   -<b>_nozzle plus 'behind' (m) downstream of it. */
+/* BodyHolds - whether the velocity of the body's liquid at x (m) is given: in a type of body that brings liquid, and up
+   to 'behind' (m) downstream of it. BodyComesLater - whether the body has no liquid at the start, since its type brings
+   it during the run. SceneComesLater - whether any body has none. */
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
-/* BodyEmits - whether the body is an emitter. BodyEmissions - the number of fillings up to and at a time (s).
-   BodyEmissionShift - the displacement (m) of the liquid of filling k = 0, 1, ... at a time (s) if the liquid keeps the
-   emitter's velocity. BodyEmissionVelocity - that velocity v (m/s) at x (m). */
-PetscBool BodyEmits(Body body);
-PetscInt  BodyEmissions(Body body, PetscReal time);
-void      BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
-void      BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
-/* SceneEmits - whether any body is an emitter. */
-PetscBool SceneEmits(Scene scene);
+PetscBool BodyComesLater(Body body);
+PetscBool SceneComesLater(Scene scene);
 /* SceneSetTime - sets the time (s) of oscillating gravity. */
 void SceneSetTime(Scene scene, PetscReal time);
 /* SceneShaking - the oscillating part of gravity at that time (m/s2). SceneSetShaking - sets it. */

@@ -5,6 +5,6 @@ const Choice *const Shapes[] = {&ShapeBox.choice,       &ShapeSphere.choice,    
                                 &ShapeEllipsoid.choice, &ShapeHalfSpace.choice, &ShapeStl.choice,
                                 &ShapeThread.choice,    &ShapeWave.choice,      NULL};
 
-static const BodyTypeOps TypeLiquid = {{"liquid", 0, NULL, NULL, NULL}, NULL, NULL}; /* it is there from the start */
+static const BodyTypeOps TypeLiquid = {{"liquid", 0, NULL, NULL, NULL}, PETSC_FALSE, NULL, NULL};
 
 const Choice *const BodyTypes[] = {&TypeLiquid.choice, &BodyTypeEmitter.choice, NULL};

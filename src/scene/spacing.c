@@ -236,7 +236,7 @@ static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
   for (PetscInt d = 0; d < scene->domain->dim; d++)
     if (x[d] < scene->domain->lower[d] || x[d] > scene->domain->upper[d]) return PETSC_FALSE;
   for (PetscInt b = 0; b < scene->count; b++)
-    if (!scene->body[b]->emitter && BodyContains(scene->body[b], x)) return PETSC_FALSE;
+    if (!BodyComesLater(scene->body[b]) && BodyContains(scene->body[b], x)) return PETSC_FALSE;
   return (PetscBool)(SceneSolidDistance(scene, x, NULL) > 0);
 }
 
@@ -284,7 +284,7 @@ PetscErrorCode SceneTargetSolids(Scene scene)
   PetscMPIInt     rank, size;
 
   PetscFunctionBegin;
-  if (!scene->solids && !SceneEmits(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->solids && !SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(scene->domain->comm, &rank));
   PetscCallMPI(MPI_Comm_size(scene->domain->comm, &size));
   for (PetscInt c = rank; c < scene->target.count; c += size) {
@@ -293,7 +293,7 @@ PetscErrorCode SceneTargetSolids(Scene scene)
     CellCenter(&scene->target, c, x);
     fine = (PetscBool)(PetscAbsReal(SceneSolidDistance(scene, x, NULL)) < margin);
     for (PetscInt b = 0; b < scene->count && !fine; b++)
-      fine = (PetscBool)(scene->body[b]->emitter && BodyDistance(scene->body[b], x) < margin);
+      fine = (PetscBool)(BodyComesLater(scene->body[b]) && BodyDistance(scene->body[b], x) < margin);
     if (fine) SceneTargetAdd(scene, x, scene->domain->spacing);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -312,11 +312,12 @@ PetscErrorCode SceneTargetBodies(Scene scene)
 
     CellCenter(&scene->target, c, x);
     for (PetscInt b = 0; b < scene->count; b++)
-      if (!scene->body[b]->emitter && BodyContains(scene->body[b], x)) scene->target.liquid[c] = 1;
+      if (!BodyComesLater(scene->body[b]) && BodyContains(scene->body[b], x)) scene->target.liquid[c] = 1;
   }
   PetscCall(SceneTargetSolids(scene));
   for (PetscInt b = 0; b < scene->count; b++)
-    for (PetscInt c = rank; c < scene->target.count && !scene->body[b]->emitter; c += size) AddSurface(scene, b, c);
+    for (PetscInt c = rank; c < scene->target.count && !BodyComesLater(scene->body[b]); c += size)
+      AddSurface(scene, b, c);
   PetscCall(SceneTargetSpread(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

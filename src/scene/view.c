@@ -22,7 +22,7 @@ static PetscBool Continues(Body one, Body body, PetscReal lower[DIM], PetscReal 
   PetscReal       low[DIM], high[DIM];
   PetscInt        apart = 0, along = 0;
 
-  if (body == one || strcmp(body->shape_type, "box") || BodyEmits(body)) return PETSC_FALSE;
+  if (body == one || strcmp(body->shape_type, "box") || BodyComesLater(body)) return PETSC_FALSE;
   if (m->density != own->density || m->viscosity != own->viscosity || m->tension != own->tension) return PETSC_FALSE;
   BodyBounds(body, low, high);
   for (PetscInt d = 0; d < DIM; d++) {
@@ -42,7 +42,7 @@ static PetscBool Continues(Body one, Body body, PetscReal lower[DIM], PetscReal 
 static void WholeBounds(Scene scene, PetscInt b, PetscReal lower[DIM], PetscReal upper[DIM])
 {
   const Body one    = SceneBody(scene, b);
-  PetscBool  larger = (PetscBool) !(strcmp(one->shape_type, "box") || BodyEmits(one));
+  PetscBool  larger = (PetscBool) !(strcmp(one->shape_type, "box") || BodyComesLater(one));
 
   BodyBounds(one, lower, upper);
   while (larger) {
@@ -178,7 +178,7 @@ static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
                                    (double)across, text));
   PetscCall(
     Warn(body, across, m->tension > 0 ? weight / m->tension : 0, m->tension > 0 ? inertia / m->tension : 0, viewer));
-  if (BodyEmits(body) && weight > 0 &&
+  if (BodyComesLater(body) && weight > 0 &&
       PetscMax(inertia / WEBER_DRIPS, numbers.viscosity * numbers.speed) < m->tension && !HasRim(scene, body))
     PetscCall(PetscViewerASCIIPrintf(
       viewer,

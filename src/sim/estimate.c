@@ -61,7 +61,7 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times)
     PetscCall(PetscTime(&start));
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &sim->state, &failed, why, sizeof(why)));
     PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
-    PetscCall(SimEmit(sim));
+    PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
     PetscCall(PetscTime(&now));
     took = (PetscReal)(now - start);
     PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, sim->comm));
@@ -102,8 +102,9 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
 {
   const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
 
-  if (!SceneEmits(sim->scene)) return now;
-  return now + 0.5 * (PackingEmitted(sim->packing, end) - PackingEmitted(sim->packing, sim->state.time));
+  if (!SceneComesLater(sim->scene)) return now;
+  return now + 0.5 * (EmissionsCount(EmittersOf(sim->stepper), sim->scene, end) -
+                      EmissionsCount(EmittersOf(sim->stepper), sim->scene, sim->state.time));
 }
 
 /* A span of simulated time (s), and the steps of the run in it. */
@@ -175,7 +176,8 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
 
   PetscFunctionBegin;
   PetscCall(CountLiquid(coarse, &first));
-  each = SceneEmits(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, first);
+  each =
+    SceneComesLater(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, first);
   more = coarse->domain->follow ? PetscPowReal(coarser, coarse->domain->dim - 1) : each; /* new ones are at surfaces */
   for (PetscInt k = 0; coarse->state.time < coarse->time_end && spent < (PetscReal)longest; k++) {
     const PetscReal before = coarse->state.time;
@@ -187,7 +189,7 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
     PetscCall(
       StepperAdvance(coarse->stepper, coarse->time_end, PETSC_FALSE, &coarse->state, &failed, why, sizeof(why)));
     if (failed) break;
-    PetscCall(SimEmit(coarse));
+    PetscCall(EmittersBring(coarse->stepper, coarse->packing, coarse->gauges, &coarse->state));
     PetscCall(CountLiquid(coarse, &now));
     PetscCall(PetscTime(&end));
     took = (PetscReal)(end - start);

@@ -23,7 +23,7 @@ static PetscBool Fixed(Sim sim)
 
 static PetscBool Emits(Sim sim)
 {
-  return (PetscBool)(sim->scene && SceneEmits(sim->scene));
+  return (PetscBool)(sim->scene && SceneComesLater(sim->scene));
 }
 
 static PetscBool SolidsMove(Sim sim)

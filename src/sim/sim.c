@@ -1,4 +1,3 @@
-#include "../emitters/emitters.h"
 #include "../bodies/bodies.h"
 #include "sim_impl.h"
 #include <stdlib.h>
@@ -244,7 +243,7 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(CloudResync(sim->cloud));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
-  PetscCall(PackingEmit(sim->packing, sim->state.time, restarting, &emitted));
+  PetscCall(EmissionsAdd(EmittersOf(sim->stepper), sim->cloud, sim->packing, sim->state.time, restarting, &emitted));
   PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
@@ -326,7 +325,7 @@ PetscErrorCode SimView(Sim sim, PetscViewer viewer)
     PetscCall(PetscViewerASCIIPrintf(viewer,
                                      "warning: this scheme corrects that density in the first step, which sets the "
                                      "liquid in motion; use -packing_type poisson or -packing_relaxation_time\n"));
-  PetscCall(EmittersView(sim, viewer));
+  PetscCall(FillingsView(sim, viewer));
   PetscCall(StepperView(sim->stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Output: %s\n", OutputFolder(sim->output)));
   PetscCall(ViewRanks(sim, viewer));
@@ -343,22 +342,6 @@ PetscErrorCode SimCheckpoint(Sim sim)
   PetscCall(StepperReset(sim->stepper));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Counts the work that keeps liquid inside emitters moving, too. */
-PetscErrorCode SimEmit(Sim sim)
-{
-  GaugeTotals before, after;
-  PetscInt    emitted;
-
-  PetscFunctionBegin;
-  if (!SceneEmits(sim->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(GaugesTotals(sim->gauges, &before));
-  PetscCall(PackingEmit(sim->packing, sim->state.time, PETSC_FALSE, &emitted));
-  PetscCall(GaugesTotals(sim->gauges, &after));
-  *EmittersEnergy(sim->stepper, &sim->state) +=
-    after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -469,7 +452,7 @@ PetscErrorCode SimStep(Sim sim, PetscReal end)
   PetscCheckUser(!failed, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s%s%s", (double)sim->state.time,
                  sim->state.step, why, sim->writes ? "; the last good state is the newest checkpoint in " : "",
                  sim->writes ? OutputFolder(sim->output) : "");
-  PetscCall(SimEmit(sim));
+  PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
   sim->steps++;
   clock = (PetscBool)(sim->writes && OutputClockDue(sim->output));
   PetscCall(InterruptCheck(sim->comm, &clock, &sim->interrupted));

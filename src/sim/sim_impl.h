@@ -3,6 +3,7 @@
 #define ISPH_SIM_TYPES_H
 
 #include "../base/json.h"
+#include "../emitters/emitters.h"
 #include "sim.h"
 
 #define REST_COLUMNS 16
@@ -101,14 +102,12 @@ typedef void (*OtherVisitor)(void *context, const char name[], const char value[
 PetscErrorCode OthersVisit(OtherVisitor visit, void *context);
 /* DumpOptions - writes the options of the scene to the files that the user wants. Collective. */
 PetscErrorCode DumpOptions(Sim sim);
-/* SimEmit - adds the liquid that emitters bring up to the state's time, and its energy to the state. Collective. */
-PetscErrorCode SimEmit(Sim sim);
 /* ShapeVolume - volume (m3, in two dimensions m2) of a body's shape in the box, outside solids: midpoints of cells of a
    quarter of the spacing. Not collective. */
 PetscReal ShapeVolume(Sim sim, Body body);
-/* EmittersView - warns of emitters that bring more or less than their options say: the lattice fills their shape with
+/* FillingsView - warns of emitters that bring more or less than their options say: the lattice fills their shape with
    whole particles. Not collective. */
-PetscErrorCode EmittersView(Sim sim, PetscViewer viewer);
+PetscErrorCode FillingsView(Sim sim, PetscViewer viewer);
 /* Sums over the timed steps: their number, the number n of liquid particles, n^2, wall time, wall time times n. */
 typedef struct {
   PetscReal steps, n, n2, time, time_n; /* 1, 1, 1, s, s */

@@ -34,16 +34,16 @@ PetscReal ShapeVolume(Sim sim, Body body)
   return cell * inside;
 }
 
-PetscErrorCode EmittersView(Sim sim, PetscViewer viewer)
+PetscErrorCode FillingsView(Sim sim, PetscViewer viewer)
 {
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneCount(sim->scene); b++) {
     const Body body = SceneBody(sim->scene, b);
     PetscReal  shape, more;
 
-    if (!BodyEmits(body)) continue;
+    if (!BodyComesLater(body)) continue;
     shape = ShapeVolume(sim, body);
-    more  = shape > 0 ? PackingFillingVolume(sim->packing, b) / shape - 1 : 0;
+    more  = shape > 0 ? EmissionsVolume(EmittersOf(sim->stepper), sim->domain, b) / shape - 1 : 0;
     if (PetscAbsReal(more) < UNEVEN_FLUX) continue;
     PetscCall(PetscViewerASCIIPrintf(
       viewer,

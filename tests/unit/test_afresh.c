@@ -99,7 +99,7 @@ static PetscErrorCode Run(const char options[], PetscInt steps, const char name[
     PetscCall(CloudBegin(sim->cloud)); /* the step's own finds nothing left to do */
     before = sim->cloud->layout;
     PetscCall(StepperAdvance(sim->stepper, 1e3, PETSC_TRUE, &sim->state, &failed, why, sizeof(why)));
-    PetscCall(SimEmit(sim));
+    PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
     if (sim->cloud->layout == before) continue;
     changed++;
     PetscCall(Measure(sim, &now));

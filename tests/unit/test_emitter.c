@@ -1,5 +1,6 @@
 /* Emitters: when they fill, where a filling is, how fast it moves, the numbers of its particles; the waves of a thread.
    Runs on any number of ranks. */
+#include "../../src/emitters/emitters.h"
 #include "setup.h"
 #include "check.h"
 
@@ -97,27 +98,29 @@ static PetscErrorCode TestParticles(void)
 
   PetscFunctionBegin;
   for (PetscInt restart = 0; restart < 2; restart++) {
+    Emissions emissions = {0};
+
     PetscCall(SetupOpen(EMITTERS, &s));
     PetscCall(PackingCreate(s.cloud, &packing));
     PetscCall(PackingSetFromOptions(packing));
     PetscCall(PackingRun(packing, &report));
     if (restart) {
-      PetscCall(PackingEmit(packing, time, PETSC_TRUE, &resumed));
+      PetscCall(EmissionsAdd(&emissions, s.cloud, packing, time, PETSC_TRUE, &resumed));
       CHECK_CLOSE(resumed, 0, 0, "a restart brings no filling again");
-      PetscCall(PackingEmit(packing, 0.61, PETSC_FALSE, &emitted));
+      PetscCall(EmissionsAdd(&emissions, s.cloud, packing, 0.61, PETSC_FALSE, &emitted));
       CHECK_CLOSE(emitted, 20 + 6, 0, "after a restart the next fillings come");
     } else {
-      PetscCall(PackingEmit(packing, time, PETSC_FALSE, &emitted));
+      PetscCall(EmissionsAdd(&emissions, s.cloud, packing, time, PETSC_FALSE, &emitted));
       PetscCall(ParticlesGlobalSize(s.particles, &n));
       CHECK(emitted == 20 + 2 * 6 && n == emitted, "fillings of two emitters");
-      CHECK_CLOSE(PackingFillingVolume(packing, 0), 0.2, 1e-12, "volume of a filling of the jet");
-      CHECK_CLOSE(PackingFillingVolume(packing, 1), 0.06, 1e-12, "volume of a filling of the hose");
+      CHECK_CLOSE(EmissionsVolume(&emissions, s.domain, 0), 0.2, 1e-12, "volume of a filling of the jet");
+      CHECK_CLOSE(EmissionsVolume(&emissions, s.domain, 1), 0.06, 1e-12, "volume of a filling of the hose");
       PetscCall(ParticlesOpen(s.particles, &arrays));
       twice = SetupSum((PetscReal)Twice(&arrays));
       for (PetscInt a = 0; a < arrays.n; a++) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));
       PetscCall(ParticlesClose(s.particles, &arrays));
       CHECK_CLOSE(twice, 0, 0, "each particle has a number of its own");
-      PetscCall(PackingEmit(packing, time, PETSC_FALSE, &again));
+      PetscCall(EmissionsAdd(&emissions, s.cloud, packing, time, PETSC_FALSE, &again));
       CHECK_CLOSE(again, 0, 0, "nothing comes twice");
       PetscCall(ParticlesOpen(s.particles, &arrays));
       for (PetscInt a = 0; a < arrays.n; a++) { /* those in the hose move with it, those that have left it are free */
@@ -131,6 +134,7 @@ static PetscErrorCode TestParticles(void)
       CHECK_CLOSE(SetupSum((PetscReal)inside), 6, 0, "one filling of the hose is in it");
       CHECK_CLOSE(SetupMax(wrong), 0, 1e-12, "liquid in an emitter has its velocity");
     }
+    PetscCall(EmissionsDestroy(&emissions));
     PetscCall(PackingDestroy(&packing));
     PetscCall(SetupClose(&s));
   }

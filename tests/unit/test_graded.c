@@ -1,6 +1,7 @@
 /* Particles of different sizes (-spacing_coarse): the pairs against all pairs, the sums against fields with known
    answers, the symmetry of the pressure operator, the volumes of the packing, and what is refused. Lengths in fine
    spacings. Runs on any number of ranks. */
+#include "../../src/emitters/emitters.h"
 #include "../../src/neighbors/pairs.h"
 #include "../../src/resampling/resampling.h"
 #include "setup.h"
@@ -597,7 +598,8 @@ static PetscErrorCode TestEmitter(void)
   PackingReport  report;
   ParticleArrays arrays;
   PetscInt       emitted;
-  PetscReal      wrong = 0;
+  Emissions      emissions = {0};
+  PetscReal      wrong     = 0;
 
   PetscFunctionBegin;
   PetscCall(SetupOpen(FLAT "-box_upper 24,30 -core_lower -8,5 -core_upper 8,30 -bodies film,e -e_type emitter "
@@ -606,13 +608,14 @@ static PetscErrorCode TestEmitter(void)
   PetscCall(PackingCreate(s.cloud, &packing));
   PetscCall(PackingSetFromOptions(packing));
   PetscCall(PackingRun(packing, &report));
-  PetscCall(PackingEmit(packing, 0.1, PETSC_FALSE, &emitted));
+  PetscCall(EmissionsAdd(&emissions, s.cloud, packing, 0.1, PETSC_FALSE, &emitted));
   CHECK_CLOSE(emitted, 4 * 3, 0, "an emitter beside graded liquid");
   PetscCall(ParticlesOpen(s.particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++)
     if (arrays.integer[INT_BODY][a] == 1) wrong += PetscAbsReal(arrays.real[FIELD_VOLUME][a] - 1);
   PetscCall(ParticlesClose(s.particles, &arrays));
   CHECK_CLOSE(SetupSum(wrong), 0, 1e-9, "what it brings is fine");
+  PetscCall(EmissionsDestroy(&emissions));
   PetscCall(PackingDestroy(&packing));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);

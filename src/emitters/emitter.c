@@ -1,5 +1,6 @@
 /* Emitters: bodies that add liquid at intervals. */
-#include "scene_impl.h"
+#include "../scene/body.h"
+#include "emitters.h"
 
 #define FILLINGS_BEFORE    1000 /* largest number of fillings before the time 0 */
 #define FILLINGS_LOOKED_AT 2    /* in FillingMoments */
@@ -43,7 +44,7 @@ static void EmitterDefaults(void *owner)
   Body            body  = (Body)owner;
   const PetscReal speed = Norm(body->uniform);
 
-  ((Emitter *)body->emitter)->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
+  ((Emitter *)body->type_data)->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
 }
 
 static PetscErrorCode EmitterSetUp(void *owner)
@@ -51,9 +52,13 @@ static PetscErrorCode EmitterSetUp(void *owner)
   Body            body  = (Body)owner;
   MPI_Comm        comm  = body->domain->comm;
   const PetscReal speed = Norm(body->uniform);
-  Emitter        *e     = (Emitter *)body->emitter;
+  Emitter        *e     = (Emitter *)body->type_data;
 
   PetscFunctionBegin;
+  PetscCheckUser(!body->domain->rings || (body->uniform[0] == 0 && !body->velocity->add), comm,
+                 "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, so the first "
+                 "number of -%svelocity must be 0 and -%svelocity_type uniform; else the rings would grow",
+                 body->prefix, body->prefix, body->prefix);
   PetscCheckUser(speed > 0, comm, "-%stype emitter needs a non-zero -%svelocity: the liquid must leave the shape",
                  body->prefix, body->prefix);
   PetscCheckUser(e->interval >= LengthAlong(body, speed) / speed * (1 - INTERVAL_ROUNDING) &&
@@ -69,18 +74,6 @@ static PetscErrorCode EmitterSetUp(void *owner)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool BodyEmits(Body body)
-{
-  return (PetscBool)(body->emitter != NULL);
-}
-
-PetscBool SceneEmits(Scene scene)
-{
-  for (PetscInt b = 0; b < scene->count; b++)
-    if (BodyEmits(scene->body[b])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* The distance that the emitter's liquid has moved since the start, over the speed without modulation (s). */
 static PetscReal TravelTime(const Emitter *e, PetscReal time)
 {
@@ -91,7 +84,7 @@ static PetscReal TravelTime(const Emitter *e, PetscReal time)
 
 static void FillingMoments(Body body, Moments *moments)
 {
-  const Emitter *e = (const Emitter *)body->emitter;
+  const Emitter *e = (const Emitter *)body->type_data;
 
   for (PetscInt k = 0; k < FILLINGS_LOOKED_AT; k++) MomentAdd(moments, e->start + (0.5 + k) * e->interval);
   MomentAdd(moments, e->start - e->interval);
@@ -101,7 +94,7 @@ static void FillingMoments(Body body, Moments *moments)
 
 PetscInt BodyEmissions(Body body, PetscReal time)
 {
-  const Emitter *e = (const Emitter *)body->emitter;
+  const Emitter *e = (const Emitter *)body->type_data;
   PetscInt       n;
 
   if (time < e->start) return 0;
@@ -111,14 +104,14 @@ PetscInt BodyEmissions(Body body, PetscReal time)
 
 void BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
 {
-  const Emitter *e = (const Emitter *)body->emitter;
+  const Emitter *e = (const Emitter *)body->type_data;
 
   for (PetscInt d = 0; d < DIM; d++) shift[d] = (TravelTime(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
 }
 
 void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
-  const Emitter  *e     = (const Emitter *)body->emitter;
+  const Emitter  *e     = (const Emitter *)body->type_data;
   const PetscReal speed = 1 + e->modulation * PetscSinReal(e->w * (time - e->start));
 
   BodyVelocity(body, x, v);
@@ -127,7 +120,7 @@ void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], Pet
 
 static PetscBool Holds(Body body, const PetscReal x[DIM], PetscReal behind)
 {
-  const Emitter *e = (const Emitter *)body->emitter;
+  const Emitter *e = (const Emitter *)body->type_data;
   PetscReal      distance, reach, speed;
   PetscInt       steps;
 
@@ -146,5 +139,6 @@ static PetscBool Holds(Body body, const PetscReal x[DIM], PetscReal behind)
 }
 
 const BodyTypeOps BodyTypeEmitter = {{"emitter", sizeof(Emitter), options, EmitterDefaults, EmitterSetUp},
+                                     .later   = PETSC_TRUE,
                                      .holds   = Holds,
                                      .moments = FillingMoments};

@@ -1,5 +1,5 @@
 /* Emitters: liquid that comes into the box during the run. */
-#include "packing_impl.h"
+#include "emitters.h"
 
 /* A visitor's context: collects the points of an emitter. */
 typedef struct {
@@ -20,11 +20,10 @@ static PetscErrorCode KeepPoint(void *context, const Sample *sample)
 }
 
 /* Finds the points of an emitter, at the first call. */
-static PetscErrorCode FindPoints(Packing packing, PetscInt b)
+static PetscErrorCode FindPoints(Cloud cloud, Packing packing, PetscInt b, Emission *emission)
 {
-  Emission *emission = &packing->emission[b];
-  Points    points   = {.area = 0};
-  size_t    size;
+  Points points = {.area = 0};
+  size_t size;
 
   PetscFunctionBegin;
   if (emission->x) PetscFunctionReturn(PETSC_SUCCESS);
@@ -35,9 +34,9 @@ static PetscErrorCode FindPoints(Packing packing, PetscInt b)
   PetscCall(PetscSegBufferDestroy(&points.x));
   emission->n    = (PetscInt)size / DIM;
   emission->area = points.area;
-  PetscCheckUser(emission->n > 0, packing->cloud->comm,
+  PetscCheckUser(emission->n > 0, cloud->comm,
                  "no particle of -spacing %g m fits into the emitter %s; it must be larger",
-                 (double)packing->cloud->domain->spacing, BodyName(SceneBody(packing->cloud->scene, b)));
+                 (double)cloud->domain->spacing, BodyName(SceneBody(cloud->scene, b)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,78 +73,76 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
 
 /* Gives the liquid inside an emitter its velocity, and a row of particles outside until the next emission comes:
    surface tension would retract the end of the liquid that has left. */
-static PetscErrorCode SetEmitterVelocities(Packing packing, PetscReal time)
+static PetscErrorCode SetVelocities(Cloud cloud, PetscReal time)
 {
-  const Scene    scene = packing->cloud->scene;
+  const Scene    scene = cloud->scene;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(ParticlesOpen(packing->cloud->particles, &arrays));
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
     const PetscInt   b = arrays.integer[INT_BODY][a];
-    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, row = 0.5 * packing->cloud->domain->spacing;
+    const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, row = 0.5 * cloud->domain->spacing;
 
     if (b >= 0 && BodyHolds(SceneBody(scene, b), x, row))
       BodyEmissionVelocity(SceneBody(scene, b), time, x, arrays.real[FIELD_VELOCITY] + DIM * a);
   }
-  PetscCall(ParticlesClose(packing->cloud->particles, &arrays));
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode PackingEmit(Packing packing, PetscReal time, PetscBool resumed, PetscInt *emitted)
+PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, PetscReal time, PetscBool resumed,
+                            PetscInt *emitted)
 {
-  const Scene scene = packing->cloud->scene;
+  const Scene scene = cloud->scene;
   PetscInt    most = 1, emitters = 0, number = 0; /* points of an emitter at most; emitters; emitters before this one */
 
   PetscFunctionBegin;
   *emitted = 0;
-  if (!SceneEmits(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    if (!BodyEmits(SceneBody(scene, b))) continue;
-    PetscCall(FindPoints(packing, b));
-    most = PetscMax(most, packing->emission[b].n);
+    if (!BodyComesLater(SceneBody(scene, b))) continue;
+    PetscCall(FindPoints(cloud, packing, b, &emissions->of[b]));
+    most = PetscMax(most, emissions->of[b].n);
     emitters++;
   }
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    Emission *emission = &packing->emission[b];
-    Portion   portion  = {
-         .comm = packing->cloud->comm, .emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
-    PetscInt wanted, count;
+    Emission *emission = &emissions->of[b];
+    Portion   portion  = {.comm = cloud->comm, .emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
+    PetscInt  wanted, count;
 
-    if (!BodyEmits(portion.body)) continue;
+    if (!BodyComesLater(portion.body)) continue;
     wanted = BodyEmissions(portion.body, time);
     for (; emission->done < wanted; emission->done++) {
       if (resumed) continue;
-      PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), packing->cloud->comm,
+      PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), cloud->comm,
                      "the emitter %s has brought as many particles as this build of PETSc can number",
                      BodyName(portion.body));
       portion.k = emission->done;
-      PetscCall(SamplesAppend(packing->cloud->particles, packing->cloud->domain, VisitPortion, &portion,
+      PetscCall(SamplesAppend(cloud->particles, cloud->domain, VisitPortion, &portion,
                               EMITTED_ID + (portion.k * emitters + number) * most, &count));
       *emitted += count;
     }
     number++;
   }
-  PetscCall(SetEmitterVelocities(packing, time));
-  if (*emitted) PetscCall(CloudResync(packing->cloud));
+  PetscCall(SetVelocities(cloud, time));
+  if (*emitted) PetscCall(CloudResync(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal PackingEmitted(Packing packing, PetscReal time)
+PetscReal EmissionsCount(const Emissions *emissions, Scene scene, PetscReal time)
 {
-  const Scene scene = packing->cloud->scene;
-  PetscReal   count = 0;
+  PetscReal count = 0;
 
   for (PetscInt b = 0; b < SceneCount(scene); b++)
-    if (BodyEmits(SceneBody(scene, b)))
-      count += (PetscReal)packing->emission[b].n * BodyEmissions(SceneBody(scene, b), time);
+    if (BodyComesLater(SceneBody(scene, b)))
+      count += (PetscReal)emissions->of[b].n * BodyEmissions(SceneBody(scene, b), time);
   return count;
 }
 
-PetscReal PackingFillingVolume(Packing packing, PetscInt body)
+PetscReal EmissionsVolume(const Emissions *emissions, Domain domain, PetscInt body)
 {
-  const Domain    domain   = packing->cloud->domain;
-  const Emission *emission = &packing->emission[body];
+  const Emission *emission = &emissions->of[body];
   PetscReal       volume   = 0;
 
   for (PetscInt p = 0; p < emission->n; p++)
@@ -153,9 +150,29 @@ PetscReal PackingFillingVolume(Packing packing, PetscInt body)
   return volume;
 }
 
-PetscErrorCode EmissionsDestroy(Packing packing)
+PetscErrorCode EmissionsDestroy(Emissions *emissions)
 {
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) PetscCall(PetscFree(packing->emission[b].x));
+  for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) PetscCall(PetscFree(emissions->of[b].x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Emissions *EmittersOf(Stepper stepper)
+{
+  return (Emissions *)StepEdgeData(stepper, EMITTERS_EDGE);
+}
+
+PetscErrorCode EmittersBring(Stepper stepper, Packing packing, Gauges gauges, StepState *state)
+{
+  GaugeTotals before, after;
+  PetscInt    emitted;
+
+  PetscFunctionBegin;
+  if (!SceneComesLater(StepperCloud(stepper)->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GaugesTotals(gauges, &before));
+  PetscCall(EmissionsAdd(EmittersOf(stepper), StepperCloud(stepper), packing, state->time, PETSC_FALSE, &emitted));
+  PetscCall(GaugesTotals(gauges, &after));
+  *(PetscReal *)StepperNumbers(stepper, state, EMITTERS_EDGE) +=
+    after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
