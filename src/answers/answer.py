@@ -34,9 +34,9 @@ COARSEST, START = 4, 2  # the first spacing is the scene's times RATIO to a powe
 ACROSS = 12  # spacings or some more are across the smallest body: coarser ones only widen the bar
 FINEST = 6  # the last is the scene's over RATIO**FINEST
 GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
-PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost, by the clock; s
-FIRST, DEAR = 4, 0.1  # packings of the first spacing, for at most this share of the budget if its price is known
-CHEAP = ((4, 0.1), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
+PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost; s
+FIRST, DEAR = 3, 0.1  # packings of the first spacing, for at most this share of the budget if its price is known
+CHEAP = ((FIRST, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
 CHANCE = 0.5  # of the accuracy, that chance may have
 PROOF_ACROSS = 8  # there whole and reduced scene are compared
 PROOF = 0.1  # of the budget, for the whole scene there
@@ -154,9 +154,9 @@ class Answer:
             verdicts = self.verdicts()
             self.say(spacing, verdicts)
             while self.more_packings(verdicts):
-                runs = self.rungs[-1][1]
-                first = self.seed + len(runs)
-                more = self.run(spacing, range(first, first + len(runs)))
+                runs, first = self.rungs[-1][1], self.seed + count
+                count += len(runs)
+                more = self.run(spacing, range(first, self.seed + count))
                 if not more:
                     break
                 runs += more

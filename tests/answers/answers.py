@@ -385,11 +385,26 @@ def couette(time):
 def packings():
     """Chance decides how many packings a spacing needs."""
     found = answer.Answer(*asked("packings", TANK.format("0.3"), "highest:max")[:3])
-    for chance, count, spacings, due in ((0.05, 4, 2, 1), (0.2, 1, 2, 4), (0.1, 2, 2, 2), (0.02, 4, 1, 2), (9, 2, 2, 4),
-                                         (math.inf, 1, 2, 4)):
+    for chance, count, spacings, due in ((0.05, 3, 2, 1), (0.2, 1, 2, 3), (0.1, 2, 2, 2), (0.02, 3, 1, 2), (9, 2, 2, 3),
+                                         (math.inf, 1, 2, 3)):
         found.rungs = [(1, [None] * count)] * spacings
         one = argparse.Namespace(chance=chance * 0.5, value=1)  # the accuracy is 10 %
         runs.check(found.needed([one]) == due, f"packings_for_{chance:g}_of_{count}", str(found.needed([one])))
+    code, said, spent = launch.start(found.scene, ["-spacing", "0.03", "-output_dir", runs.scratch("bounded")], 1)
+    runs.check(code and "not done after 1 s of the processor" in said and 1 <= spent < 3, "a_run_has_a_bound",
+               f"{code}, {said}, {spent}")
+    made, tried = launch.Run.go, []
+
+    def failing(run):  # every second packing
+        seed = int(run.options[-1])
+        tried.append((run.options[-3], seed))
+        run.cpu, run.series = 0.01, {"time": [0, 1], "highest": [seed, seed]} if seed % 2 else None
+        return run
+    launch.Run.go, found.rungs, found.arguments.accuracy = failing, [], 1e-3
+    found.climb()
+    launch.Run.go = made
+    runs.check(len(tried) == len(set(tried)) and max(seed for _, seed in tried) > 3, "a_packing_that_failed_is_left",
+               str(tried[:12]))
 
 
 def resting(times, curve):
