@@ -13,6 +13,7 @@
 #   make bench          speed; SIZE=full: of a million particles too
 #   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
 #   make install        PREFIX=$HOME/isph: program, library, manual page, completion, options, cases, pictures, Python
+#   make deb            a Debian package of the same: output/deb/isph_*.deb; make gallery: a static site of all cases
 #   make clean          removes what was built
 #   make targets        all others: studies, tables of the documents, sweeps; each is in the rules.mk of its folder
 #   CC=mpicc OMPI_CC=clang; PETSC_DIR, PETSC_ARCH, SLEPC_DIR: another compiler, another PETSc than Debian's
@@ -115,9 +116,9 @@ run-axisymmetric: packages
 # PORTABLE=1 for a cluster of mixed machines
 PREFIX = /usr/local
 SHARE  = "$$DESTDIR$$PREFIX"/share/isph
-PYTHON_PLACE = lib/$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")')/dist-packages
-install: isph $(LIBRARIES)
-	install -D -m 755 isph "$$DESTDIR$$PREFIX"/bin/isph
+PYTHON_PLACE = lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")'))/dist-packages
+install: $(PROGRAM) $(LIBRARIES)
+	install -D -m 755 $(PROGRAM) "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
 	  install -D -m 755 $(BUILD)/lib/$$library "$$DESTDIR$$PREFIX"/lib/isph/$$library || exit 1; done
 	install -D -m 644 src/isph.h "$$DESTDIR$$PREFIX"/include/isph.h

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The Debian packages the program needs:  tests/packages.sh [build] [pictures] [browser] [hosts] [film] [reference]
+# The Debian packages the program needs:  tests/packages.sh [build] [pictures] [browser] [hosts] [film] [gallery]
+# [reference]
 # Without a word: build, pictures. As root, installs what is missing; otherwise prints the line to type and exits 1.
 # Silent if nothing is missing.
 set -u
@@ -8,6 +9,7 @@ pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
 browser="chromium"
 hosts="iproute2"
 film="ffmpeg"
+gallery="python3-markdown"
 reference="gerris libgfs-dev python3-numpy python3-scipy"
 
 wanted=
@@ -18,9 +20,10 @@ for set in "${@:-both}"; do
     browser)  wanted="$wanted $browser" ;;
     hosts)    wanted="$wanted $hosts" ;;
     film)     wanted="$wanted $film" ;;
+    gallery)  wanted="$wanted $gallery" ;;
     reference) wanted="$wanted $reference" ;;
     both)     wanted="$wanted $build $pictures" ;;
-    *)        echo "packages.sh: $set is no set: build, pictures, browser, hosts, film, reference" >&2; exit 1 ;;
+    *)        echo "packages.sh: $set is no set: build pictures browser hosts film gallery reference" >&2; exit 1 ;;
   esac
 done
 if ! command -v dpkg-query >/dev/null; then

@@ -1,0 +1,46 @@
+#!/usr/bin/python3
+"""make gallery: each page's links lead to files of the site, none needs a server; a case that was run has its report,
+its picture and its cost, one that the program refuses has its sentence. Skipped without python3-markdown."""
+import glob
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+if not importlib.util.find_spec("markdown"):
+    print("skipped: python3-markdown is not installed")
+    runs.done()
+site = runs.scratch("site")
+done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src", "pictures", "gallery.py"), "--cases", "free_fall",
+                       "nowhere", "--output", site], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                      env=runs.environment(), check=False)
+runs.check(done.returncode == 0 and re.search(r"\d+ pages, \d+ MB, \d+ s$", done.stdout), "gallery", done.stdout[-400:])
+pages = glob.glob(os.path.join(site, "**", "*.html"), recursive=True)
+broken, servers = [], []
+for path in pages:
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    if path.endswith("report.html"):
+        continue
+    for target in re.findall(r'(?:href|src)="([^"#]+)', text):
+        if target.startswith(("http", "mailto")):
+            continue
+        servers += [target] if target.startswith("/") else []
+        there = os.path.normpath(os.path.join(os.path.dirname(path), target))
+        if not os.path.exists(there) and target.endswith((".html", ".png", ".md")):
+            broken.append((os.path.relpath(path, site), target))
+runs.check(len(pages) > 80 and not broken and not servers, "links", str((broken + servers)[:5]))
+case = os.path.join(site, "cases", "free_fall")
+with open(os.path.join(case, "README.html"), encoding="utf-8") as file:
+    text = file.read()
+runs.check(re.search(r"\d+ particles, \d+ steps, \S+ s on one core", text) and "<table>" in text, "page_of_a_case",
+           text[:600])
+runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "run.png")),
+           "report_of_a_case", str(os.listdir(case)))
+runs.check("nowhere: the options file cases/nowhere/case.opts cannot be opened" in done.stdout, "refused_case",
+           done.stdout[-400:])
+runs.done()
