@@ -27,7 +27,7 @@ import run  # noqa: E402
 
 KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
-PLACES = re.compile(r"src/\w+/\w+\.[ch]$|src/pictures/\w+\.js$|"
+PLACES = re.compile(r"src/(?:\w+/)?\w+\.[ch]$|src/pictures/\w+\.js$|"
                     r"(src/answers|src/pictures|src/python|tests/tradeoff|tests/verify)/\w+\.py$")
 
 
