@@ -16,11 +16,11 @@ ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(
 # name: where it is at home (a folder, or files until it has one), its names, folders outside at most
 FEATURES = {
     "free bodies": (("bodies/",),
-                    r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 4),
+                    r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 3),
     "solids that move": (("bodies/",),
-                         r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 7),
+                         r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 5),
     "emitters": (("emitters/",),
-                 r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 7),
+                 r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 3),
     "resampling": (("resampling/",), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
     "following": (("resampling/target.c", "resampling/walls.c", "resampling/smooth.c", "scene/spacing.c"),
                   r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 8),
