@@ -125,43 +125,18 @@ PetscErrorCode LineStart(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nearest wall or solid with a contact angle. */
-typedef struct {
-  PetscReal distance, inward[DIM], velocity[DIM]; /* m; unit vector into the liquid; m/s */
-} NearWall;
-
-/* Finds the wall within 'reach' (m) of particle a; false: none. */
-static PetscBool FindWall(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, NearWall *wall)
+/* Finds the nearest wall or solid within 'reach' (m) of particle a; false: none. */
+static PetscBool FindWall(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall *wall)
 {
-  const Domain     domain = cloud->domain;
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
-  PetscBool        found  = PETSC_FALSE;
-  PetscInt         near   = 0;
+  LineWall       walls[WALLS_NEAR];
+  const PetscInt n = WallsNear(tension, cloud, a, reach, walls);
 
-  wall->distance = reach;
-  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
-    const PetscInt  d = f / 2, side = f % 2;
-    const PetscReal y = PetscAbsReal(x[d] - (side ? domain->upper : domain->lower)[d]);
-
-    if (domain->face[d][side] != FACE_WALL || y >= wall->distance) continue;
-    found          = PETSC_TRUE;
-    wall->distance = y;
-    for (PetscInt e = 0; e < DIM; e++) {
-      wall->inward[e]   = e != d ? 0 : side ? -1 : 1;
-      wall->velocity[e] = domain->wall_velocity[d][side][e];
-    }
-  }
-  if (tension->solid.count) {
-    const PetscReal y = SceneSolidDistance(cloud->scene, x, &near);
-
-    if (y < wall->distance && tension->solid.angle[near].angle > 0) {
-      found          = PETSC_TRUE;
-      wall->distance = PetscMax(0, y);
-      SceneSolidNormal(cloud->scene, x, wall->inward);
-      SceneSolidVelocity(cloud->scene, near, x, wall->velocity);
-    }
-  }
-  return found;
+  if (n == 0) return PETSC_FALSE;
+  *wall = walls[0];
+  for (PetscInt k = 1; k < n; k++)
+    if (walls[k].distance < wall->distance) *wall = walls[k];
+  wall->distance = PetscMax(0, wall->distance);
+  return PETSC_TRUE;
 }
 
 static PetscReal ViscosityOf(Cloud cloud, PetscInt a)
@@ -179,7 +154,7 @@ static void Tell(Tension tension, Cloud cloud, PetscInt a, const PetscReal n[DIM
   const PetscReal *v    = cloud->field[FIELD_VELOCITY] + DIM * a,
                   reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
   PetscReal flat[DIM], into, length, sigma, speed = 0;
-  NearWall  wall;
+  LineWall  wall;
 
   *weight = *capillary = 0;
   if (cloud->integer[INT_LAYER][a] || cloud->integer[INT_SURFACE][a] != 1 || Norm(n) == 0) return;
@@ -241,7 +216,7 @@ PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
   }
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal mean = 0, around = 0;
-    NearWall  wall;
+    LineWall  wall;
 
     if (Norm(normal + DIM * a) > 0 &&
         FindWall(tension, cloud, a, KernelSupport(tension->kernel) * cloud->size[a], &wall))

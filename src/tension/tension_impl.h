@@ -287,4 +287,14 @@ PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
 PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[]);
 /* The constructors of the models set tension's functions. */
 
+/* --- near_wall.c --- */
+/* A wall face of the box, or the nearest solid with a contact angle. */
+#define WALLS_NEAR (2 * DIM + 1)
+typedef struct {
+  const ContactAngle *contact;
+  PetscReal           distance, inward[DIM], velocity[DIM]; /* m, negative inside a solid; into the liquid; m/s */
+} LineWall;
+/* WallsNear - those within 'reach' (m) of particle a; returns how many. Not collective. */
+PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR]);
+
 #endif
