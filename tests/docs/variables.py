@@ -43,9 +43,10 @@ TARGETS = (("pictures", {"RUN": EVIL, "FLAGS": WORDS}, [EVIL, *SPLIT]),
            ("seeds", {"JOBS": EVIL}, ["--jobs", EVIL]),
            ("test", {"ONLY": EVIL, "JOBS": EVIL}, ["--only", EVIL, "--jobs", EVIL]),
            ("check", {"CHANGED": "1", "BASE": EVIL}, ["--check", "--changed", EVIL]),
-           ("run", {"RUN": EVIL}, ["-output_dir", EVIL, "-output_overwrite"]),
+           ("run", {"RUN": EVIL}, ["-output_dir", EVIL, "-output_overwrite", "-ranks", "2"]),
            ("run", {"RUN": EVIL}, [EVIL]),
-           ("paper", {"RUN": EVIL, "FLAGS": WORDS}, ["-output_dir", f"{EVIL}_paper", "-output_overwrite", *SPLIT]),
+           ("paper", {"RUN": EVIL, "FLAGS": WORDS}, ["-output_dir", f"{EVIL}_paper", "-output_overwrite", *SPLIT,
+                                                 "-ranks", "2"]),
            ("paper", {"RUN": EVIL}, [f"{EVIL}_paper"]))
 
 tools = runs.scratch("tools")
