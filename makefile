@@ -129,7 +129,7 @@ install: $(PROGRAM) $(LIBRARIES)
 	  >> "$$DESTDIR$$PREFIX"/lib/pkgconfig/isph.pc
 	install -d $(SHARE)/pictures $(SHARE)/answers $(SHARE)/options/cluster
 	install -m 644 src/answers/*.py $(SHARE)/answers
-	install -m 644 options/*.opts $(SHARE)/options
+	install -m 644 options/*.opts options/form.html $(SHARE)/options
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/*.js $(SHARE)/pictures
 	install -m 644 -Dt $(SHARE)/pictures/uplot src/pictures/uplot/*

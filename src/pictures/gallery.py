@@ -24,7 +24,7 @@ SCENES = {"drop_impact": "axisymmetric.opts"}  # in place of case.opts: seconds,
 STATES, TRIANGLES = 10, 6000  # of a report, so that 40 of them are small
 PAGES = ("README.md", "CONTRIBUTING.md", "cases/*.md", "cases/*/*.md", "options/*.md", "tests/README.md",
          "tests/*/README.md")
-FILES = (".png", ".opts", ".csv", ".svg", ".ipynb")  # that pages show or link
+FILES = (".png", ".opts", ".csv", ".svg", ".ipynb", ".html")  # that pages show or link
 STYLE = """body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; }
 h2 { margin-top: 2.2rem; border-bottom: 1px solid #ddd; } img { max-width: 100%; } .wide { overflow-x: auto; }
 table { border-collapse: collapse; } td, th { padding: 0.2rem 0.8rem 0.2rem 0; text-align: left; vertical-align: top; }
@@ -46,10 +46,14 @@ def ran(names, limit, jobs):
 
 
 def reported(run, place):
-    """Draws the report of a run and puts it, and its first picture, into a folder of the site; the picture's name."""
-    subprocess.run([sys.executable, os.path.join(HERE, "report.py"), run.folder, "--states", str(STATES), "--triangles",
-                    str(TRIANGLES)], check=True, stdout=subprocess.DEVNULL)
-    shutil.copy(os.path.join(run.folder, "report.html"), os.path.join(place, "report.html"))
+    """Draws the report of a run, unless it is there, and puts it and its first picture into a folder of the site."""
+    report, command = os.path.join(run.folder, "report.html"), [sys.executable, os.path.join(HERE, "report.py")]
+    command += [run.folder, "--states", str(STATES), "--triangles", str(TRIANGLES)]
+    series = os.path.join(run.folder, "series.csv")
+    if not os.path.exists(report) or os.path.getmtime(report) < os.path.getmtime(series):
+        if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its display
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # to another program that starts
+    shutil.copy(report, os.path.join(place, "report.html"))
     drawn = [os.path.join(run.folder, "figures", name) for name in ("surface.png", "section.png")]
     shutil.copy(next(path for path in drawn if os.path.exists(path)), os.path.join(place, "run.png"))
 

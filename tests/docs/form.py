@@ -1,0 +1,46 @@
+#!/usr/bin/python3
+"""options/form.html in a browser: what it writes for each kind of scene runs, without an option that nothing reads, and
+has the number of particles that it says; a number that is none is marked. Skipped without Chromium."""
+import html
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import runs  # noqa: E402
+
+FORM = os.path.join(runs.ROOT, "options", "form.html")
+BROWSER = ["chromium", "--headless", "--no-sandbox", "--virtual-time-budget=3000", "--dump-dom"]
+KINDS = 10
+
+
+def page(query, more=""):
+    """The page after its script, and 'more', have run."""
+    path = runs.scratch("form.html")
+    with open(FORM, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as out:
+        out.write(file.read().replace("</body>", f"<script>{more}</script></body>"))
+    return subprocess.run([*BROWSER, f"file://{path}{query}"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                          text=True, check=False, timeout=60).stdout
+
+
+if not shutil.which(BROWSER[0]):
+    print("skipped: chromium is not installed")
+    runs.done()
+for kind in range(KINDS):
+    seen = page(f"?kind={kind}")
+    text = html.unescape(re.search(r'<pre id="text">(.*?)</pre>', seen, re.S)[1])
+    said = int(re.search(r"(\d+) particles of the liquid", seen)[1])
+    with open(runs.scratch(f"{kind}.opts"), "w", encoding="utf-8") as file:
+        file.write(text)
+    folder = runs.scratch(f"run_{kind}")
+    done = runs.start([file.name, "-steps_max", "2", "-packing_cache", "", "-output_dir", folder])
+    title = text.splitlines()[0][2:].partition(";")[0] if text else f"kind {kind}"
+    if runs.check(done.returncode == 0 and "warning" not in done.stdout, title, done.stderr[-300:] + done.stdout[:300]):
+        particles = runs.fields(runs.numbered(folder, "snapshot")[0])["body"]
+        runs.check_within((particles >= 0).sum() / said, 0.8, 1.25, f"{title}: particles")
+runs.check(len(re.findall("<option", seen)) == KINDS, "all_kinds", str(seen.count("<option")))
+seen = page("?kind=0", "document.getElementById('field_d').value = 'two'; show();")
+runs.check('class="bad"' in seen and '<pre id="text"></pre>' in seen, "a_number_that_is_none", seen[-300:])
+runs.done()
