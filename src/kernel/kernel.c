@@ -168,6 +168,7 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
 
 #define PLANE_POINTS 400 /* of the midpoint rule over a plane */
 #define DEPTH_POINTS 200 /* of the midpoint rule over the depth of a half-space */
+#define ANGLES       64  /* of the midpoint rule over a half of the plane */
 #define BISECTIONS   25  /* of the search for a depth between two of these */
 
 /* w1(s) of KernelHalfSpace by the midpoint rule: along the chord in two dimensions, over rings 2 pi r dr in three. */
@@ -196,6 +197,27 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
     for (PetscInt k = 0; k < DEPTH_POINTS; k++)
       sum += PlaneIntegral(kernel, (k + 0.5) * end / DEPTH_POINTS) * end / DEPTH_POINTS;
     *fraction = s >= 0 ? PetscMin(0.5 + sum, 1.0) : PetscMax(0.5 - sum, 0.0);
+  }
+}
+
+void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[])
+{
+  const PetscReal support = KernelSupport(kernel), dr = support / PLANE_POINTS, angle = PETSC_PI / ANGLES;
+  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], F[PLANE_POINTS], moment = 0;
+
+  for (PetscInt m = 0; m < PLANE_POINTS; m++) r2[m] = PetscSqr((m + 0.5) * dr);
+  KernelEvaluate(kernel, PLANE_POINTS, r2, W, F);
+  for (PetscInt m = 0; m < PLANE_POINTS; m++) moment += W[m] * r2[m] * 2 * PETSC_PI * PetscSqrtReal(r2[m]) * dr;
+  for (PetscInt k = 0; k <= n; k++) {
+    PetscReal sum = 0;
+
+    for (PetscInt m = 0; m < PLANE_POINTS; m++)
+      for (PetscInt l = 0; l < ANGLES; l++) { /* of a half of the plane */
+        const PetscReal r = PetscSqrtReal(r2[m]), x = r * PetscCosReal((l + 0.5) * angle);
+
+        sum += F[m] * PetscAbsReal(support * k / n - x) * (3 * x * x - 2 * r2[m]) * x * 2 * r * dr * angle;
+      }
+    share[k] = 2 / moment * sum;
   }
 }
 

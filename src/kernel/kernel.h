@@ -64,6 +64,14 @@ void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscRe
 void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fraction);
 /* KernelSlice - F(to) - F(from) (1) by Simpson's rule, for close depths (m). Not collective. */
 PetscReal KernelSlice(Kernel kernel, PetscReal from, PetscReal to);
+/* KernelAxisTable - of a kernel in a plane: share[k] = G(x) at the distance x = k/n of half the support from an axis,
+   k = 0 to n,
+
+     G(x) = 2/M int F |2 x - r_x| (r_x^2 - 2 r_y^2) r_x,   M = int r^2 W,   F = W'/r
+
+   over the support (1). A sum over pairs that count as F r^2 and as the length of a ring at their middle gives 2 G(x)/x
+   along x of the strain v = (x, -2 y). G is 1 where no pair reaches across the axis. Not collective. */
+void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[]);
 /* KernelSurfaceTable - fraction[k] = F(s) at the depth s where w1(s)/w1(0) = k/n, k = 0 to n. It gives the filled
    fraction of the kernel near a flat surface from |sum V grad W|. Not collective. */
 void KernelSurfaceTable(Kernel kernel, PetscInt n, PetscReal fraction[]);

@@ -28,6 +28,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->slack         = domain->spacing_coarse;
   c->sort_interval = 100;
   PetscCall(HaloCreate(domain, &c->halo));
+  if (domain->rings) KernelAxisTable(kernel, AXIS_TABLE, c->axis);
   if (domain->follow) PetscCall(SceneTargetBodies(scene));
   *cloud = c;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,7 +14,8 @@
 
 typedef struct _p_Halo *Halo;
 
-#define SIZE_LEVELS 7 /* levels of sizes of graded particles, by factors of sqrt(2): see CloudLevel */
+#define AXIS_TABLE  64 /* of Cloud's axis */
+#define SIZE_LEVELS 7  /* levels of sizes of graded particles, by factors of sqrt(2): see CloudLevel */
 #define SEARCH_LEVELS                                                                                                  \
   ((SIZE_LEVELS + 1) / 2) /* the search's levels, by factors of 2: the first, then pairs of these levels */
 
@@ -36,15 +37,16 @@ typedef struct _p_Cloud {
      sizes has the smoothing length (h_a + h_b)/2 in all sums: then both particles have the same kernel, and a Laplacian
      has no first-order error of the differing lengths. weight, length and relative_weight are at the positions of the
      last search. */
-  PetscReal *volume;          /* [n_total] FIELD_VOLUME, = V_0 weight length */
-  PetscReal *size;            /* [n_total] spacing over d0, 1 */
-  PetscReal *weight;          /* [n_total] 1 */
-  PetscReal *length;          /* [n_total] m, DomainRingLength of a ring; 1 for other particles */
-  PetscReal *relative_weight; /* [n_total] weight over size^dim: about 1 for rings, whose areas change; of dummy
-                                 particles that serve larger liquid (CloudWeighs) less than 1; 1 for others */
-  PetscReal  size_most;       /* 1; largest size on all ranks at all times: the largest support over the kernel's */
-  PetscReal  volume_most;     /* m^dim, largest volume of a particle on all ranks */
-  PetscReal *rest_density;    /* [n_total] rho_0 of the particle's body, kg/m3; walls: see OperatorsMoments */
+  PetscReal *volume;               /* [n_total] FIELD_VOLUME, = V_0 weight length */
+  PetscReal *size;                 /* [n_total] spacing over d0, 1 */
+  PetscReal *weight;               /* [n_total] 1 */
+  PetscReal *length;               /* [n_total] m, DomainRingLength of a ring; 1 for other particles */
+  PetscReal  axis[AXIS_TABLE + 1]; /* 1, of rings: KernelAxisTable */
+  PetscReal *relative_weight;      /* [n_total] weight over size^dim: about 1 for rings, whose areas change; of dummy
+                                      particles that serve larger liquid (CloudWeighs) less than 1; 1 for others */
+  PetscReal  size_most;    /* 1; largest size on all ranks at all times: the largest support over the kernel's */
+  PetscReal  volume_most;  /* m^dim, largest volume of a particle on all ranks */
+  PetscReal *rest_density; /* [n_total] rho_0 of the particle's body, kg/m3; walls: see OperatorsMoments */
   PetscReal
     *solid_normal; /* [n_total][3] outward normal at dummy particles of solids, zero elsewhere; NULL without solids */
   /* For two immiscible liquids with interface tension; else NULL. The pressure jumps across their interface by the

@@ -165,7 +165,7 @@ static inline void SumMoments(PetscBool flat, PetscBool graded, PetscBool viscou
     PetscReal *acceleration = cloud->field[FIELD_ACCELERATION] + DIM * a;
 
     Vec4Store(scales->friction * Simd3Sum(friction, zero), acceleration);
-    if (rings) acceleration[0] += OperatorsGrowthFriction(cloud, a, scales->nu) * v[DIM * a];
+    if (rings) acceleration[0] += OperatorsGrowthFriction(cloud, VISCOSITY_MOMENT, a, scales->nu) * v[DIM * a];
   }
 }
 

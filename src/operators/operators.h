@@ -133,11 +133,9 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
 /* OperatorsGrowthFriction - the rate (1/s) of the friction -nu v_r/r^2 of ring a's growth, in forms along the line of
    centres; 0 for other particles. nu: m2/s. The pairs in the plane dissipate mu (2 S:S + (tr S)^2), with the rate of
    strain S in the plane. The liquid is incompressible, so tr S = -v_r/r. The full dissipation is mu (2 S:S + 2
-   (v_r/r)^2); mu (v_r/r)^2 remains for the growth. Not collective. */
-static inline PetscReal OperatorsGrowthFriction(Cloud cloud, PetscInt a, PetscReal nu)
-{
-  return cloud->domain->rings ? -nu / PetscSqr(cloud->length[a] / (2 * PETSC_PI)) : 0;
-}
+   (v_r/r)^2); mu (v_r/r)^2 remains for the growth. Near the axis the pairs of VISCOSITY_MOMENT have less of it
+   (KernelAxisTable), and so has the growth, so that a strain is free of forces. Not collective. */
+PetscReal OperatorsGrowthFriction(Cloud cloud, ViscosityForm form, PetscInt a, PetscReal nu);
 /* OperatorsViscosityRemainder - adds to FIELD_ACCELERATION the part of the viscous term that OperatorsMoments omits:
    pairs with walls times (wall factor - 1), and the additional weight of pairs where neighbours are missing. Needs
    OperatorsMoments and the densities of ghosts. Not collective. */

@@ -296,9 +296,22 @@ static void Coefficients(Cloud cloud, const Friction *f, PetscInt a, PetscReal f
       row->f[k] *= DomainPairLength(cloud->domain, x + DIM * a, x + DIM * row->index[k]) / cloud->length[a];
 }
 
+PetscReal OperatorsGrowthFriction(Cloud cloud, ViscosityForm form, PetscInt a, PetscReal nu)
+{
+  const PetscReal length = cloud->length[a] / (2 * PETSC_PI), x = PetscAbsReal(cloud->field[FIELD_POSITION][DIM * a]);
+  const PetscReal place = x / (0.5 * cloud->size[a] * KernelSupport(cloud->kernel)) * AXIS_TABLE;
+  const PetscInt  k     = (PetscInt)PetscMin(place, (PetscReal)AXIS_TABLE - 1);
+  const PetscReal t     = PetscMin(place - k, 1);
+
+  if (!cloud->domain->rings) return 0;
+  if (form != VISCOSITY_MOMENT) return -nu / PetscSqr(length);
+  return -nu * ((1 - t) * cloud->axis[k] + t * cloud->axis[k + 1]) / (length * (x + SMALLEST));
+}
+
 static PetscReal GrowthFriction(Cloud cloud, const Friction *f, PetscInt a)
 {
-  return IsCentral(f->viscosity->form) ? OperatorsGrowthFriction(cloud, a, f->mu[a] / f->density[a]) : 0;
+  return IsCentral(f->viscosity->form) ? OperatorsGrowthFriction(cloud, f->viscosity->form, a, f->mu[a] / f->density[a])
+                                       : 0;
 }
 
 /* The factor of v_r of ring a over that of v_r of ring b, in the form of Morris. Along the axis the sum is the
