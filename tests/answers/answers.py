@@ -441,7 +441,8 @@ def rests():
         with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
             runs.check("at rest at" in file.read(), f"says_that_it_rests_on_{ranks}")
         runs.check_within(series["kinetic_energy"][-1] / couette(9), 0.97, 1.03, f"value_at_rest_on_{ranks}")
-    flight = CUBE.replace("1e-3", "2e-3") + "-box_x periodic -bodies a -a_shape sphere -a_radius 1e-3 -a_velocity 1,0,0"
+    flight = CUBE.replace("1e-3", "2e-3") + "-box_x periodic -bodies a -a_shape sphere -a_radius 1e-3 -a_viscosity 1 " \
+        "-a_velocity 1,0,0 -a_velocity_type strain -a_strain_rate 60,-60,0"  # which decays, a share of its energy
     runs.check_within(runs.series(runs.run(f"-options_file {scene('flight', flight)} -stop_at_rest", "flight"))["time"][
         -1], 1.999e-3, 2.001e-3, "a_drop_in_flight_does_not_rest")
     table = runs.scratch("late.txt")

@@ -46,6 +46,23 @@ def channel():
     return 0.5 * 1000 * length * np.trapz(u * u, y)
 
 
+def sheared(time):
+    """Kinetic energy (J/m) of the plane flow of cases/couette, where one wall moves: the sum of its modes."""
+    y, nu, height, length, speed = np.linspace(0, 1e-3, 4001), 1e-6, 1e-3, 5e-4, 1.25e-5
+    u = speed * y / height
+    for n in range(1, 60):
+        u += 2 * speed * (-1)**n / (n * math.pi) * np.sin(n * math.pi * y / height) * math.exp(
+            -nu * (n * math.pi / height)**2 * time)
+    return 0.5 * 1000 * length * np.trapz(u * u, y)
+
+
+def pulsing(time):
+    """Kinetic energy (J/m) of the ellipse of cases/central_force, of 1000 kg/m3 and pi m2, whose flow is a strain."""
+    (a, b), (later, _) = physics.ellipse(-0.5, 1, [0, time, time + 1e-4])[1:]
+    strain = math.log(later / a) / 1e-4
+    return 0.5 * 1000 * strain**2 * math.pi * a * b * (a * a + b * b) / 4
+
+
 def segment(degrees):
     """Height and chord (m) of the segment of a circle that half a circle of 2 mm becomes at a contact angle."""
     t = math.radians(degrees)
@@ -85,7 +102,19 @@ def rows():
         ("impact", "drop_impact", "axisymmetric.opts", "-time_end 36e-3", [
             (f"{q}", reference("drop_impact", box, q)) for q in (
                 "crater_depth:max", "crater_depth:at=5e-3", "crater_diameter:at=10e-3", "kinetic_energy:at=5e-3",
-                "kinetic_energy:at=10e-3", "crown_height:max")])]
+                "kinetic_energy:at=10e-3", "crown_height:max")]),
+        ("flow", "couette", "case.opts", "-series_interval 0.01", [
+            ("kinetic_energy:end", sheared(0.6)), ("kinetic_energy:at=0.1", sheared(0.1))]),
+        ("force", "film_at_rest", "tank.opts", "-gauge_points 1,0.3", [
+            ("point_1_pressure:mean=5,10", 1000 * (0.9 - 0.3)), ("potential_energy:end", 1000 * 2 * 0.9**2 / 2)]),
+        ("wetting", "laplace_jump", "circle.opts", "-gauge_points 0,0", [
+            ("surface_energy:end", 0.067 * 2 * math.pi * 2e-3), ("point_1_pressure:mean=40e-3,80e-3", 0.067 / 2e-3)]),
+        ("flow", "stretching_drop", "case.opts", "-series_interval 2e-4", [
+            ("kinetic_energy:end", 0.5 * 1000 * 100**2 * math.pi / 2)]),
+        ("flow", "central_force", "case.opts", "-time_end 4.5", [("kinetic_energy:at=4", pulsing(4))]),
+        ("flow", "standing_wave", "case.opts", "-time_end 0.35", [
+            ("kinetic_energy:time_of_max", math.pi / 2 / math.sqrt(9.81 * 2 * math.pi * math.tanh(math.pi)))]),
+        ("flow", "free_fall", "case.opts", "", [("highest:at=0.1", 0.078 + 2 * 0.1 - 0.5 * 9.81 * 0.1**2)])]
 
 
 def ask(kind, case, name, options, wanted, budget):
