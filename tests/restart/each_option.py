@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Each number of a scene changed in turn, as scene.json lists them. Where the bodies of the start differ then, a restart
-from the scene's checkpoint is refused, or says that the option acts at the start only; it says each change; and a
-packing that the cache has of a scene is not taken for another one."""
+"""Each number of a scene changed in turn, as scene.json lists them. Where the bodies of the start differ then, a
+restart from the scene's checkpoint is refused, or says that the option acts at the start only; it says each change; and
+a packing that the cache has of a scene is not taken for another one."""
 import json
 import os
 import sys
