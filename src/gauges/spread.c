@@ -200,24 +200,14 @@ static PetscErrorCode AddAreas(Cover *cover)
 /* Gives all ranks the edges of all. */
 static PetscErrorCode ShareEdges(Cover *cover)
 {
-  const Gauges gauges = cover->gauges;
-  PetscMPIInt  send, total = 0, *count, *start;
-  PetscReal   *own;
-  size_t       n;
+  PetscReal *own;
+  PetscInt   total;
+  size_t     n;
 
   PetscFunctionBegin;
   PetscCall(PetscSegBufferGetSize(cover->own, &n));
   PetscCall(PetscSegBufferExtractInPlace(cover->own, &own));
-  send = (PetscMPIInt)n;
-  PetscCall(PetscMalloc2(gauges->size, &count, gauges->size, &start));
-  PetscCallMPI(MPI_Allgather(&send, 1, MPI_INT, count, 1, MPI_INT, gauges->comm));
-  for (PetscMPIInt r = 0; r < gauges->size; r++) {
-    start[r] = total;
-    total += count[r];
-  }
-  PetscCall(PetscMalloc1(total, &cover->edge));
-  PetscCallMPI(MPI_Allgatherv(own, send, MPIU_REAL, cover->edge, count, start, MPIU_REAL, gauges->comm));
-  PetscCall(PetscFree2(count, start));
+  PetscCall(GatherAll(cover->gauges->comm, (PetscInt)n, own, MPIU_REAL, &total, &cover->edge));
   cover->edges = total / (1 + DIM);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

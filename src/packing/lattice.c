@@ -180,22 +180,13 @@ static MPI_Comm LatticeComm(Domain domain)
 /* Adds up the shells of the ranks' shares. The sums are of integers, so they do not depend on the number of ranks. */
 static PetscErrorCode ShareShells(MPI_Comm comm, Shells *shells)
 {
-  PetscMPIInt size, own = (PetscMPIInt)shells->n, total = 0, *count, *start;
-  PetscInt64  sum[3] = {shells->full, shells->parts, shells->sure};
-  PetscReal  *distance;
+  PetscInt64 sum[3] = {shells->full, shells->parts, shells->sure};
+  PetscReal *distance;
+  PetscInt   total;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_INT64, MPI_SUM, comm));
-  PetscCall(PetscMalloc2(size, &count, size, &start));
-  PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, comm));
-  for (PetscMPIInt r = 0; r < size; r++) {
-    start[r] = total;
-    total += count[r];
-  }
-  PetscCall(PetscMalloc1(total, &distance));
-  PetscCallMPI(MPI_Allgatherv(shells->distance, own, MPIU_REAL, distance, count, start, MPIU_REAL, comm));
-  PetscCall(PetscFree2(count, start));
+  PetscCall(GatherAll(comm, shells->n, shells->distance, MPIU_REAL, &total, &distance));
   PetscCall(PetscFree(shells->distance));
   shells->distance = distance;
   shells->n        = total;

@@ -137,30 +137,23 @@ static PetscErrorCode ChangeCreate(Cloud cloud, const Resampling *resampling, Ch
    the parents' ids over all ranks. */
 static PetscErrorCode NumberNew(Cloud cloud, const Change *change, PetscInt id[])
 {
-  PetscInt    last, *own, *all;
-  PetscMPIInt size, n = (PetscMPIInt)change->split, *count, *start, total = 0;
+  const PetscInt n = change->split;
+  PetscInt       last, total, *own, *all;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   PetscCall(ParticlesLastId(cloud->comm, cloud->n_owned, cloud->integer[INT_ID], &last));
-  PetscCall(PetscMalloc3(size, &count, size, &start, n, &own));
-  for (PetscMPIInt k = 0; k < n; k++) own[k] = cloud->integer[INT_ID][change->parent[k]];
-  PetscCallMPI(MPI_Allgather(&n, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));
-  for (PetscMPIInt r = 0; r < size; r++) {
-    start[r] = total;
-    total += count[r];
-  }
-  PetscCall(PetscMalloc1(total, &all));
-  PetscCallMPI(MPI_Allgatherv(own, n, MPIU_INT, all, count, start, MPIU_INT, cloud->comm));
+  PetscCall(PetscMalloc1(n, &own));
+  for (PetscInt k = 0; k < n; k++) own[k] = cloud->integer[INT_ID][change->parent[k]];
+  PetscCall(GatherAll(cloud->comm, n, own, MPIU_INT, &total, &all));
   PetscCall(PetscSortInt(total, all));
-  for (PetscMPIInt k = 0; k < n; k++) {
+  for (PetscInt k = 0; k < n; k++) {
     PetscInt place;
 
     PetscCall(PetscFindInt(own[k], total, all, &place));
     id[k] = last + 1 + place;
   }
   PetscCall(PetscFree(all));
-  PetscCall(PetscFree3(count, start, own));
+  PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
