@@ -61,8 +61,8 @@ const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
    of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
 PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
 /* HeightOverLevel - height (m) over the level of liquid whose highest particle is at 'top' (m, -PETSC_MAX_REAL: none);
-   NAN without liquid. A particle fills a cube of one spacing, so the surface is half a spacing above it. Not
-   collective. */
+   NAN without liquid. A particle fills a cube of one spacing, so the surface is half a spacing above it; beyond a
+   periodic face liquid is at the other one, so it is never higher than that. Not collective. */
 PetscReal HeightOverLevel(Gauges gauges, PetscReal top);
 
 /* --- sample.c: values at places --- */

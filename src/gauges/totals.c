@@ -23,7 +23,11 @@ void GaugesSetLevel(Gauges gauges, PetscReal level)
 
 PetscReal HeightOverLevel(Gauges gauges, PetscReal top)
 {
-  return top > -PETSC_MAX_REAL ? top + 0.5 * gauges->cloud->domain->spacing - gauges->level : NAN;
+  const Domain    domain = gauges->cloud->domain;
+  const PetscInt  up     = domain->dim - 1;
+  const PetscReal most   = domain->face[up][1] == FACE_PERIODIC ? domain->upper[up] : PETSC_MAX_REAL;
+
+  return top > -PETSC_MAX_REAL ? PetscMin(top + 0.5 * domain->spacing, most) - gauges->level : NAN;
 }
 
 PetscErrorCode GaugesTotals(Gauges gauges, GaugeTotals *totals)

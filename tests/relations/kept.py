@@ -82,6 +82,9 @@ def judge(scene, folder):
     if not r.finite:
         wrong.append("there are values that are not finite")
     below(r.energy, ENERGY, "energy gained")
+    room = scene.vector("box_upper")[-1] - scene.vector("box_lower")[-1]
+    if scene.face("xyz"[scene.dim - 1], "max") == "periodic":
+        below(r.s["highest"].max() - scene.vector("box_upper")[-1], 1e-9 * room, "liquid above a periodic box, m,")
     if not closed:
         return wrong
     below(r.mass, MASS, "mass of a body changed")
