@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "pictures"))
 import tables  # noqa: E402
 
 KEPT = ("series.csv", "scene.json", "options.opts", "log.txt", "droplets.csv")  # of a run; the rest is not needed
+NEAR = 0.8  # of its limit, where the kernel, which counts ticks, may stop a run on a busy machine
 
 
 def program():
@@ -51,7 +52,7 @@ def start(scene, options, limit=math.inf):
         lines = [line.strip() for line in out if line.strip()]
     spent = usage.ru_utime + usage.ru_stime
     last = next((line for line in lines if "error:" in line), lines[-1] if lines else "")
-    if process.returncode and spent >= math.ceil(limit):
+    if process.returncode and math.isfinite(limit) and spent >= NEAR * math.ceil(limit):
         last = f"not done after {limit:.3g} s of the processor"
     return process.returncode, last.replace("isph: error: ", ""), spent
 

@@ -21,7 +21,7 @@ import tables
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..")
 SCENES = {"drop_impact": "axisymmetric.opts"}  # in place of case.opts: seconds, not minutes
-STATES, TRIANGLES = 10, 6000  # of a report, so that 40 of them are small
+STATES, TRIANGLES, DOTS = 8, 2500, 80  # of a report, and dots an inch of its pictures, so that 40 of them are small
 PAGES = ("README.md", "CONTRIBUTING.md", "cases/*.md", "cases/*/*.md", "options/*.md", "tests/README.md",
          "tests/*/README.md")
 FILES = (".png", ".opts", ".csv", ".svg", ".ipynb", ".html")  # that pages show or link
@@ -47,12 +47,14 @@ def ran(names, limit, jobs):
 
 def reported(run, place):
     """Draws the report of a run, unless it is there, and puts it and its first picture into a folder of the site."""
-    report, command = os.path.join(run.folder, "report.html"), [sys.executable, os.path.join(HERE, "report.py")]
-    command += [run.folder, "--states", str(STATES), "--triangles", str(TRIANGLES)]
+    report = os.path.join(run.folder, "report.html")
+    commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES))
     series = os.path.join(run.folder, "series.csv")
     if not os.path.exists(report) or os.path.getmtime(report) < os.path.getmtime(series):
-        if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its display
-            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # to another program that starts
+        for name, *flags in commands:
+            command = [sys.executable, os.path.join(HERE, name), run.folder, *map(str, flags)]
+            if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its
+                subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # display to another program
     shutil.copy(report, os.path.join(place, "report.html"))
     drawn = [os.path.join(run.folder, "figures", name) for name in ("surface.png", "section.png")]
     shutil.copy(next(path for path in drawn if os.path.exists(path)), os.path.join(place, "run.png"))
