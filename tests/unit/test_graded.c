@@ -301,6 +301,11 @@ static PetscErrorCode TestPair(void)
     CHECK_CLOSE(PetscAbsReal(ratio), 1, 1e-3, "the pair's part in a Laplacian times V_a V_b");
   }
   CHECK_CLOSE(s.cloud->laplacian[0], s.cloud->laplacian[1], 0, "which is the same for both");
+  for (PetscInt a = 0; a < 2; a++) s.cloud->field[FIELD_VELOCITY][DIM * a] = a;
+  PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
+  PetscCall(OperatorsViscosity(s.cloud, &(Viscosity){.form = VISCOSITY_MOMENT}, s.cloud->rest_density));
+  PetscCall(SetupTakenAlong(s.cloud, &(Viscosity){.form = VISCOSITY_MOMENT}, &ratio));
+  CHECK_CLOSE(ratio, 0, 1e-6, "the viscosity of the pair taken along");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
