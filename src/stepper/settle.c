@@ -113,7 +113,7 @@ PetscErrorCode StepperSettle(Stepper stepper)
   if (!PressureTakesDivergence(stepper->pressure) || !PressureGradientCorrected(stepper->pressure))
     PetscFunctionReturn(PETSC_SUCCESS);
   StepHook(stepper, freeze, stepper, PETSC_TRUE);
-  ProgressBegin("the packing is evened out", "no step of the run was computed");
+  ProgressBegin("the settling of the packing", "no step of the run was computed");
   for (PetscInt k = 0; k < ITERATIONS; k++) {
     PetscCall(ProgressWork(stepper->cloud->comm, (PetscReal)k / ITERATIONS, "iteration %" PetscInt_FMT, k));
     PetscCall(Even(stepper));

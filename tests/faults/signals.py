@@ -135,10 +135,14 @@ def pipes():
                                  env=runs.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                  stderr=subprocess.PIPE, universal_newlines=True, start_new_session=True)
         code, _, err = end(shell)
-        with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
-            journal = file.read()
-        said = journal if "2>&1" in command else err
-        count(f"closed pipe, {what}", outcome(code, said, err, folder, "SIGPIPE"), f"code {code}: {err[-300:]}")
+        if os.path.isdir(folder):
+            with open(os.path.join(folder, "log.txt"), encoding="utf-8") as file:
+                journal = file.read()
+            said = journal if "2>&1" in command else err
+            result = outcome(code, said, err, folder, "SIGPIPE")
+        else:  # the first word was said in the set-up
+            result = "refused" if code and 0 < code < 126 else "failed"
+        count(f"closed pipe, {what}", result, f"code {code}: {err[-300:]}")
     short = SCENE.replace("-time_end 1000", "-time_end 0.05")
     for what, output in (("full", "> /dev/full"), ("closed", ">&-"), ("both closed", ">&- 2>&-")):
         folder = runs.scratch(f"output_{what.replace(' ', '_')}")

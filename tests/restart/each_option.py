@@ -97,16 +97,17 @@ def tried(name, scene, judge, known, least):
 
 
 def main():
-    cache, base = runs.scratch("cache"), runs.scratch("base")
-    done = run(PEG, "", base)
-    runs.check(not done.returncode, "scene", done.stderr)
-    os.mkdir(cache)
-    done = run(KEPT, f"-packing_cache {cache}", runs.scratch("packed"))
-    runs.check(not done.returncode and os.listdir(cache), "a_packing_is_kept", done.stderr)
     for part in runs.parts("restart", "cache"):
         if part == "restart":
+            base = runs.scratch("base")
+            done = run(PEG, "", base)
+            runs.check(not done.returncode, "scene", done.stderr)
             tried("restart", PEG, restarted, base, 60)
         else:
+            cache = runs.scratch("cache")
+            os.mkdir(cache)
+            done = run(KEPT, f"-packing_cache {cache}", runs.scratch("packed"))
+            runs.check(not done.returncode and os.listdir(cache), "a_packing_is_kept", done.stderr)
             tried("cache", KEPT, kept, cache, 60)
     runs.done()
 
