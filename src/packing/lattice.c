@@ -331,8 +331,8 @@ void LatticeShake(Packing packing, PetscReal spacing, Sample *sample)
   const Domain             domain = packing->cloud->domain;
   const Body               body   = SceneBody(packing->cloud->scene, sample->body);
   const unsigned long long seed   = (unsigned long long)packing->seed;
-  const PetscBool          rough =
-    (PetscBool)(PetscAbsReal(BodyDistance(body, sample->x)) < spacing || BodyHolds(body, sample->x, 0.5 * spacing));
+  const PetscBool rough = (PetscBool)(packing->rough || PetscAbsReal(BodyDistance(body, sample->x)) < spacing ||
+                                      BodyHolds(body, sample->x, 0.5 * spacing));
   const PetscReal share = rough ? ROUGH_JITTER : 1, jitter = share * LatticeJitter(packing) * spacing;
 
   for (PetscInt d = 0; d < domain->dim; d++)

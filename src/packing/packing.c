@@ -52,6 +52,11 @@ static const OptionRow options[] = {
   {.name = NULL},
 };
 
+void PackingSetRough(Packing packing, PetscBool rough)
+{
+  packing->rough = rough;
+}
+
 PetscErrorCode PackingSetFromOptions(Packing packing)
 {
   const MPI_Comm comm = packing->cloud->comm;

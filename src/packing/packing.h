@@ -23,6 +23,9 @@ PetscErrorCode PackingCreate(Cloud cloud, Packing *packing);
 /* PackingSetFromOptions - -packing_type lattice|poisson, -packing_jitter (in spacings), -packing_seed,
    -packing_distance, -packing_tolerance, -packing_cache (folder; empty: none), -packing_tao_*. Collective. */
 PetscErrorCode PackingSetFromOptions(Packing packing);
+/* PackingSetRough - rough: the stepper does not even the particles out before the run, so that the jitter is half of
+   what it is otherwise. Not collective. */
+void PackingSetRough(Packing packing, PetscBool rough);
 /* PackingRun - puts fluid and wall particles into the swarm, with id, body, layer, parent, position, initial velocity
    and density. Any number of ranks gives the same particles; lattices are the same to the last bit. Ends with
    CloudResync. Refuses (UserError) a scene without a fluid particle. Collective. */

@@ -47,6 +47,7 @@ static PetscErrorCode Compare(void *context, const char file[], const Column *co
 {
   Search   *search = context;
   PetscBool same;
+  size_t    used;
 
   PetscFunctionBegin;
   (void)words;
@@ -56,8 +57,8 @@ static PetscErrorCode Compare(void *context, const char file[], const Column *co
     PetscCall(PetscStrcmp(search->rest->names.text[k], column->name, &same));
     if (same) search->rest->column[k] = search->columns;
   }
-  if (search->columns) PetscCall(PetscStrlcat(search->names, ", ", sizeof(search->names)));
-  PetscCall(PetscStrlcat(search->names, column->name, sizeof(search->names)));
+  used = strlen(search->names); /* PetscStrlcat of PETSc 3.18 writes beyond the end */
+  (void)snprintf(search->names + used, sizeof(search->names) - used, "%s%s", search->columns ? ", " : "", column->name);
   search->columns++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -107,11 +107,15 @@ static PetscErrorCode Even(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool StepperSettles(Stepper stepper)
+{
+  return (PetscBool)(PressureTakesDivergence(stepper->pressure) && PressureGradientCorrected(stepper->pressure));
+}
+
 PetscErrorCode StepperSettle(Stepper stepper)
 {
   PetscFunctionBegin;
-  if (!PressureTakesDivergence(stepper->pressure) || !PressureGradientCorrected(stepper->pressure))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!StepperSettles(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
   StepHook(stepper, freeze, stepper, PETSC_TRUE);
   ProgressBegin("the settling of the packing", "no step of the run was computed");
   for (PetscInt k = 0; k < ITERATIONS; k++) {

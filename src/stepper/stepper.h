@@ -135,8 +135,9 @@ PetscBool StepperRepairsAtOnce(Stepper stepper);
 PetscErrorCode StepperReset(Stepper stepper);
 /* StepperSettle - moves the particles of a packing, in a few iterations, to places from which pressure does not drive
    them; without the divergence source and the corrected gradient the packing stays. Velocities stay those of the
-   particles. Collective. */
+   particles. Collective. StepperSettles - whether it does, not collective. */
 PetscErrorCode StepperSettle(Stepper stepper);
+PetscBool      StepperSettles(Stepper stepper);
 /* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities damped before
    each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not collective. */
 PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal step);
