@@ -101,7 +101,7 @@ def module():
 def stopped():
     """Ctrl-C in Python: the run ends with a checkpoint."""
     home = runs.scratch("stopped")
-    scene(home, "-time_end 1000")
+    scene(home, "-time_end 1000 -part_velocity 0,0")  # else it leaves the box
     program = f"import sys; sys.path.insert(0, {os.path.dirname(isph.__file__)!r}); import isph; " \
         "isph.run('tank.opts', output='run', progress=True)"
     process = subprocess.Popen([sys.executable, "-c", program], cwd=home, stderr=subprocess.PIPE, text=True)

@@ -69,7 +69,7 @@ def collapse(solid, scale):
             f"-box_upper {at(1, 1)} -box_ymin wall {'-box_xmax' if rings else '-box_x'} wall "
             f"-gravity 0,{-9.81 / scale!r} -bodies column,drop -column_upper {at(0.3, 0.5)} -drop_shape sphere "
             f"-drop_radius {at(0.1)} -drop_center {at(0 if rings else 0.6, 0.7)} -drop_velocity 0,-1 "
-            f"-checkpoint_interval 0 -steps_max 70 " + bodies + solids[solid])
+            f"-checkpoint_interval 0 -steps_max 30 " + bodies + solids[solid])
 
 
 def differ(solid, scale):
