@@ -235,7 +235,8 @@ def units(folder, scales):
     """The largest difference of positions over the spacing, of velocities over U, from the scene of scale 1. Powers of
     two scale every number exactly and must give it to the last bit. Other scales round otherwise, and the factors of
     pairs, in single precision, by up to 2^-24: over STEPS steps of at most 0.2 h = 0.26 spacings each (-time_cfl) that
-    may move a particle by 2^-24 of the way."""
+    may move a particle by 2^-24 of the way, and in each of the 20 iterations in which the packing settles by 2^-24 of
+    the pairs' displacements, of about a spacing, which nearly cancel."""
     reference, lines = None, []
     for scale in (1.0, *scales):
         path = os.path.join(folder, f"units_{scale:g}")
@@ -251,7 +252,7 @@ def units(folder, scales):
             continue
         moved = np.abs(x - reference[0]).max() / 1e-4
         speed = np.abs(v - reference[1]).max()
-        bound = 0 if math.log2(scale).is_integer() else 2**-24 * STEPS * 0.26
+        bound = 0 if math.log2(scale).is_integer() else 2**-24 * (STEPS * 0.26 + 20)
         lines.append(dict(line, outcome="works" if max(moved, speed) <= bound else "FAILED",
                           remark=f"positions differ by {moved:.1e} spacings, velocities by {speed:.1e} U; "
                                  f"at most {bound:.1e}"))
