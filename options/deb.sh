@@ -13,7 +13,7 @@ mkdir -p debian root/DEBIAN root/usr/share/doc/isph
 gzip -9nf root/usr/share/man/man1/isph.1
 cp "$here/../LICENSE" root/usr/share/doc/isph/copyright
 gzip -9nc "$here/../CHANGELOG.md" >root/usr/share/doc/isph/changelog.gz
-cp "$here/../README.md" "$here/../CITATION.cff" root/usr/share/doc/isph/
+cp "$here/../README.md" "$here/CITATION.cff" root/usr/share/doc/isph/
 printf 'Source: isph\n\nPackage: isph\nArchitecture: any\n' >debian/control
 needs=$(binaries | xargs dpkg-shlibdeps -O -lroot/usr/lib/isph 2>/dev/null | sed -n 's/^shlibs:Depends=//p')
 cat >root/DEBIAN/control <<END

@@ -129,6 +129,9 @@ PetscErrorCode UserErrorSaid(void);
 
 /* Of a list of names, or a text of help. */
 #define NAMES_LENGTH 1024
+/* TextAppend - appends to a text as much as its room of 'size' bytes holds. PetscStrlcat of PETSc 3.18 writes beyond
+   the room. Not collective. */
+void TextAppend(char text[], size_t size, const char more[]);
 
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler). The handler is silent while
    the code of a UserError travels up through PetscCall. For any other error it collects PETSc's message and the calls,

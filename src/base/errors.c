@@ -58,6 +58,13 @@ PetscErrorCode UserError(MPI_Comm comm, const char format[], ...)
   return ISPH_USER_ERROR; /* bare: PetscError() would print a trace */
 }
 
+void TextAppend(char text[], size_t size, const char more[])
+{
+  const size_t used = strlen(text);
+
+  (void)snprintf(text + used, size - used, "%s", more);
+}
+
 PetscErrorCode UserErrorSaid(void)
 {
   UserErrorRaised = Said = PETSC_TRUE;

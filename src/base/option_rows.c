@@ -155,12 +155,12 @@ static PetscErrorCode Words(const OptionRow *row, char list[NAMES_LENGTH])
   PetscFunctionBegin;
   list[0] = 0;
   for (PetscInt k = 0; row->words && row->words[k]; k++) {
-    if (k) PetscCall(PetscStrlcat(list, ", ", NAMES_LENGTH));
-    PetscCall(PetscStrlcat(list, row->words[k], NAMES_LENGTH));
+    if (k) TextAppend(list, NAMES_LENGTH, ", ");
+    TextAppend(list, NAMES_LENGTH, row->words[k]);
   }
   for (PetscInt k = 0; row->choices && row->choices[k]; k++) {
-    if (k) PetscCall(PetscStrlcat(list, ", ", NAMES_LENGTH));
-    PetscCall(PetscStrlcat(list, row->choices[k]->name, NAMES_LENGTH));
+    if (k) TextAppend(list, NAMES_LENGTH, ", ");
+    TextAppend(list, NAMES_LENGTH, row->choices[k]->name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

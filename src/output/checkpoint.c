@@ -183,7 +183,7 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   PetscCall(RowsSet(output->comm, arrays.n, 1, &rows));
   HeadFill(output, state, rows.total, &head);
   PetscCall(OutputPath(output, name, path));
-  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  TextAppend(path, sizeof(path), ".tmp");
   PetscCall(H5FileCreate(output->comm, path, &h5));
   PetscCall(CloudIdentity(output->cloud, &scene));
   HeadPut(&h5, &head, scene, output->options ? output->options : "");

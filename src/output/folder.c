@@ -176,7 +176,7 @@ PetscErrorCode FolderDiscard(Output output, const char name[])
 
   PetscFunctionBegin;
   PetscCall(OutputPath(output, name, path));
-  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  TextAppend(path, sizeof(path), ".tmp");
   if (!output->rank) (void)unlink(path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -92,8 +92,8 @@ static PetscErrorCode AddToHead(void *context, const char file[], const Column *
 
   PetscFunctionBegin;
   if (strcmp(file, h->file)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (h->head[0]) PetscCall(PetscStrlcat(h->head, ",", sizeof(h->head)));
-  PetscCall(PetscStrlcat(h->head, words->head, sizeof(h->head)));
+  if (h->head[0]) TextAppend(h->head, sizeof(h->head), ",");
+  TextAppend(h->head, sizeof(h->head), words->head);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -106,7 +106,7 @@ static PetscErrorCode Start(Output output, const char file[], PetscBool same, Pe
   PetscCall(PetscNew(&head));
   head->file = file;
   PetscCall(OutputEachColumn(output, AddToHead, head));
-  PetscCall(PetscStrlcat(head->head, "\n", sizeof(head->head)));
+  TextAppend(head->head, sizeof(head->head), "\n");
   PetscCall(TableOpen(output, file, head->head, same, step, stream, last));
   PetscCall(PetscFree(head));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -239,7 +239,7 @@ PetscErrorCode SnapshotWrite(Output output, const StepState *state)
   entry.fields    = output->content.fields;
   SnapshotName(entry.index, name);
   PetscCall(OutputPath(output, name, path));
-  PetscCall(PetscStrlcat(path, ".tmp", sizeof(path)));
+  TextAppend(path, sizeof(path), ".tmp");
   PetscCall(H5FileCreate(output->comm, path, &h5));
   WriteHead(output, state, &entry, &h5);
   h5.compression = output->content.compression;

@@ -115,8 +115,8 @@ PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length)
   names[0] = 0;
   for (PetscInt b = 0; b < scene->count; b++) {
     if (scene->liquid[b] == 0) continue;
-    if (names[0]) PetscCall(PetscStrlcat(names, ",", length));
-    PetscCall(PetscStrlcat(names, scene->body[b]->name, length));
+    if (names[0]) TextAppend(names, length, ",");
+    TextAppend(names, length, scene->body[b]->name);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -172,7 +172,7 @@ static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
     if (PetscIsNanReal(numbers.number[k].value)) continue;
     PetscCall(
       PetscSNPrintf(number, sizeof(number), ", %s %.3g", numbers.number[k].name, (double)numbers.number[k].value));
-    PetscCall(PetscStrlcat(text, number, sizeof(text)));
+    TextAppend(text, sizeof(text), number);
   }
   PetscCall(PetscViewerASCIIPrintf(viewer, "least extent %.3g m, %.3g spacings%s\n", (double)numbers.length,
                                    (double)across, text));

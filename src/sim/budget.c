@@ -110,7 +110,7 @@ static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size
     if (value == 0) continue;
     PetscCall(PetscSNPrintf(part, sizeof(part), ", %s %.4g", row->source,
                             (double)(multiplicity * (row->part == ENERGY_TAKEN ? -value : value))));
-    PetscCall(PetscStrlcat(text, part, length));
+    TextAppend(text, length, part);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

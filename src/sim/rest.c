@@ -47,7 +47,6 @@ static PetscErrorCode Compare(void *context, const char file[], const Column *co
 {
   Search   *search = context;
   PetscBool same;
-  size_t    used;
 
   PetscFunctionBegin;
   (void)words;
@@ -57,9 +56,8 @@ static PetscErrorCode Compare(void *context, const char file[], const Column *co
     PetscCall(PetscStrcmp(search->rest->names.text[k], column->name, &same));
     if (same) search->rest->column[k] = search->columns;
   }
-  used = strlen(search->names); /* PetscStrlcat of PETSc 3.18 writes beyond the end */
-  (void)snprintf(search->names + used, sizeof(search->names) - used, "%s%s", search->columns ? ", " : "", column->name);
-  search->columns++;
+  if (search->columns++) TextAppend(search->names, sizeof(search->names), ", ");
+  TextAppend(search->names, sizeof(search->names), column->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

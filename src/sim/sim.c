@@ -409,8 +409,10 @@ static PetscErrorCode WriteStep(Sim sim, PetscBool clock)
   if (sim->writes) {
     PetscCall(WriteOutput(sim, last));
     if (!last) PetscCall(RestCheck(sim, &sim->rests));
-    last = SimEnded(sim);
-    PetscCall(WriteOutput(sim, last));
+    if (sim->rests) {
+      last = PETSC_TRUE;
+      PetscCall(WriteOutput(sim, last));
+    }
     if (last || OutputCheckpointDue(sim->output, &sim->state))
       PetscCall(SimCheckpoint(sim));
     else if (clock)

@@ -366,8 +366,8 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscCall(PressureReset(stepper->pressure));
   }
   if (*failed && stepper->ops->advice) {
-    PetscCall(PetscStrlcat(why, "; ", length));
-    PetscCall(PetscStrlcat(why, stepper->ops->advice, length));
+    TextAppend(why, length, "; ");
+    TextAppend(why, length, stepper->ops->advice);
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));

@@ -120,7 +120,7 @@ static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTri
   PetscFunctionBegin;
   if (SolverFailed(&trial->viscous)) {
     PetscCall(SolverExplain(stepper->viscous.solver.ksp, &trial->viscous, VISCOUS_EQUATION, why, length));
-    PetscCall(PetscStrlcat(why, ", or a smaller -viscosity_step_ratio", length));
+    TextAppend(why, length, ", or a smaller -viscosity_step_ratio");
   } else {
     PetscCall(PressureSolver(stepper->pressure, &ksp, &b));
     PetscCall(SolverExplain(ksp, &trial->pressure.solver, PRESSURE_EQUATION, why, length));

@@ -544,7 +544,7 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL(tension), &around));
     mean[a] = WeightedMean(tension, weight, place, fit);
     if (slope) {
-      tension->size = cloud->size[a];
+      tension->size = cloud->size[a]; /* of the walls that ContactTilt lets it see */
       ContactTilt(tension, &around, a, x, normal + DIM * a, 1);
       WeightedSlope(tension, weight, place, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }

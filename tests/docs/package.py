@@ -25,7 +25,7 @@ def output(*words, **more):
 
 
 version = runs.start("-version").stdout.split()[1].rstrip(",")
-with open(os.path.join(runs.ROOT, "CITATION.cff"), encoding="utf-8") as file:
+with open(os.path.join(runs.ROOT, "options", "CITATION.cff"), encoding="utf-8") as file:
     runs.check(f"\nversion: {version}\n" in file.read(), "version_of_the_citation", version)
 if not shutil.which("dpkg-shlibdeps") or not shutil.which("strip"):
     print("skipped: dpkg-dev is not installed")
