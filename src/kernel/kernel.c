@@ -4,11 +4,26 @@ struct _p_Kernel {
   MPI_Comm         comm;
   PetscInt         dim;
   const KernelOps *ops;
-  PetscReal        h, scale_w, scale_f, inverse_h2;
+  PetscReal        h, scale_w, scale_f, inverse_h2, moment;
 };
 
 const Choice *const Kernels[] = {&KernelCubicSpline.choice, &KernelWendlandC2.choice, &KernelQuinticSpline.choice,
                                  NULL};
+
+#define MOMENT_POINTS 500 /* of the midpoint rule: exact to 1e-5 */
+
+/* int r^2 W, over rings 2 pi r dr or shells 4 pi r^2 dr. */
+static PetscReal Moment(Kernel kernel)
+{
+  const PetscReal dr = KernelSupport(kernel) / MOMENT_POINTS;
+  PetscReal       r2[MOMENT_POINTS], W[MOMENT_POINTS], sum = 0;
+
+  for (PetscInt m = 0; m < MOMENT_POINTS; m++) r2[m] = PetscSqr((m + 0.5) * dr);
+  KernelEvaluate(kernel, MOMENT_POINTS, r2, W, NULL);
+  for (PetscInt m = 0; m < MOMENT_POINTS; m++)
+    sum += W[m] * r2[m] * dr * 2 * PETSC_PI * (kernel->dim == 3 ? 2 * r2[m] : PetscSqrtReal(r2[m]));
+  return sum;
+}
 
 static void KernelScale(Kernel kernel)
 {
@@ -18,6 +33,7 @@ static void KernelScale(Kernel kernel)
   kernel->scale_w    = norm / PetscPowRealInt(kernel->h, (int)kernel->dim);
   kernel->inverse_h2 = 1.0 / (kernel->h * kernel->h);
   kernel->scale_f    = kernel->scale_w * kernel->inverse_h2;
+  kernel->moment     = Moment(kernel);
 }
 
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
@@ -159,6 +175,11 @@ void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f
   kernel->ops->single(n, s, w, f);
 }
 
+PetscReal KernelMoment(Kernel kernel)
+{
+  return kernel->moment;
+}
+
 void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)
 {
   *scale_w    = kernel->scale_w;
@@ -203,11 +224,10 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
 void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[])
 {
   const PetscReal support = KernelSupport(kernel), dr = support / PLANE_POINTS, angle = PETSC_PI / ANGLES;
-  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], F[PLANE_POINTS], moment = 0;
+  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], F[PLANE_POINTS];
 
   for (PetscInt m = 0; m < PLANE_POINTS; m++) r2[m] = PetscSqr((m + 0.5) * dr);
   KernelEvaluate(kernel, PLANE_POINTS, r2, W, F);
-  for (PetscInt m = 0; m < PLANE_POINTS; m++) moment += W[m] * r2[m] * 2 * PETSC_PI * PetscSqrtReal(r2[m]) * dr;
   for (PetscInt k = 0; k <= n; k++) {
     PetscReal sum = 0;
 
@@ -217,7 +237,7 @@ void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[])
 
         sum += F[m] * PetscAbsReal(support * k / n - x) * (3 * x * x - 2 * r2[m]) * x * 2 * r * dr * angle;
       }
-    share[k] = 2 / moment * sum;
+    share[k] = 2 / kernel->moment * sum;
   }
 }
 

@@ -2,7 +2,6 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define MOMENT_POINTS 500 /* of the kernel's moment, exact to 1e-5 */
 #define SHEETS                                                                                                         \
   3                            /* of Deficit: sheets of 1 to 20 particles resist a stretch in their plane within 5 %,  \
                                  whatever the kernel, both ways within 16 % */
@@ -49,22 +48,9 @@ static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The second moment of the kernel, int r^2 W (m2). */
-static PetscReal KernelMoment(Cloud cloud)
-{
-  const PetscReal support = KernelSupport(cloud->kernel);
-  PetscReal       r2[MOMENT_POINTS], W[MOMENT_POINTS], moment = 0;
-
-  for (PetscInt m = 0; m < MOMENT_POINTS; m++) r2[m] = PetscSqr(support * (m + 0.5) / MOMENT_POINTS);
-  KernelEvaluate(cloud->kernel, MOMENT_POINTS, r2, W, NULL);
-  for (PetscInt m = 0; m < MOMENT_POINTS; m++)
-    moment += (cloud->domain->dim == 3 ? 4 * PETSC_PI * r2[m] : 2 * PETSC_PI * PetscSqrtReal(r2[m])) * r2[m] * W[m];
-  return moment * support / MOMENT_POINTS;
-}
-
 PetscReal OperatorsViscosityFactor(Cloud cloud, ViscosityForm form)
 {
-  if (form == VISCOSITY_MOMENT) return cloud->domain->dim / KernelMoment(cloud);
+  if (form == VISCOSITY_MOMENT) return cloud->domain->dim / KernelMoment(cloud->kernel);
   return form == VISCOSITY_CLEARY ? (PetscReal)(cloud->domain->dim + 2) : 1;
 }
 
