@@ -10,14 +10,14 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
 FALL = """-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,4 -bodies a -a_lower 0.5,2 -a_upper 1.5,3 -a_viscosity 0
- -gravity 0,-10 -packing_jitter 0.2 -time_step 1e-3 -checkpoint_interval 0 """
+ -gravity 0,-10 -time_step 1e-3 -checkpoint_interval 0 """
 
 
 def last(folder):
     return runs.fields(runs.numbered(folder, "checkpoint")[-1])
 
 
-printed = FALL + "-scheme density_invariant -pressure_closure full_diagonal -steps_max 5 "
+printed = FALL + "-packing_jitter 0.4 -scheme density_invariant -pressure_closure full_diagonal -steps_max 5 "
 start, relaxed = (last(runs.run(printed + options, name))
                   for name, options in (("unrelaxed", ""), ("relaxed", "-packing_relaxation_time 5e-3")))
 spread = [fields["velocity"].std(0).max() for fields in (start, relaxed)]
