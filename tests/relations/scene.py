@@ -148,11 +148,14 @@ def read(path):
 
 
 def files():
-    """[(name, scene)] of every option file of cases/ and options/: with what it is put behind, if it is none alone."""
+    """[(name, scene)] of every option file of cases/ and options/: with what it is put behind, if it is none alone. A
+    folder runs/ has what an earlier version ran."""
     found = []
     impact = os.path.join(ROOT, "cases", "drop_impact", "case.opts")
     for top in ("cases", "options"):
         for folder, _, names in sorted(os.walk(os.path.join(ROOT, top))):
+            if os.path.basename(os.path.dirname(folder)) == "runs":
+                continue
             for file in sorted(n for n in names if n.endswith(".opts")):
                 path = os.path.join(folder, file)
                 options = read(path)

@@ -74,6 +74,8 @@ for name, (options, still) in GIVEN.items():  # until then a tank comes to rest,
     runs.check_below(np.ptp(gain - given) / np.ptp(given), 0.1, f"energy from outside: {name}")
     runs.check(re.search(f"{name} [-.0-9]+", text) is not None, f"the budget names {name}",
                re.findall("viscosity gave.*", text))
+table, _ = run(f"{TANK}/couette/case.opts -spacing 0.05e-3 -time_end 5e-3 -series_interval 0", "couette")
+runs.check_below(abs(table["viscous_work"][-1] / table["kinetic_energy"][-1] - 1), 1e-5, "what a wall gave from rest")
 runs.check(re.search("left through open faces -[.0-9]+", text) is not None, "the budget names what left",
            re.findall("viscosity gave.*", text))
 runs.done()
