@@ -6,10 +6,16 @@
 #define VOLUME_COLUMN  DIM       /* rho_0/rho_b: V_b over the volume at rest density */
 #define DENSITY_COLUMN (DIM + 1) /* rho_0 of b: m_b over V */
 
+static inline CahnHilliard *Data(Tension tension)
+{
+  return (CahnHilliard *)tension->data;
+}
+
 /* Adds grad phi of the walls around x: each wall is a half-space full of liquid. */
 static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], PetscReal gradient[DIM])
 {
-  const PetscReal support = KernelSupport(tension->kernel);
+  const CahnHilliard *data    = tension->data;
+  const PetscReal     support = KernelSupport(tension->kernel);
 
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
@@ -18,7 +24,7 @@ static void AddWalls(Tension tension, Domain domain, const PetscReal x[DIM], Pet
       const PetscInt k      = (PetscInt)PetscMin(place, (PetscReal)WALL_TABLE);
 
       if (domain->face[d][side] != FACE_WALL || k >= WALL_TABLE) continue;
-      gradient[d] += (side ? 1 : -1) * (tension->wall[k] + (place - k) * (tension->wall[k + 1] - tension->wall[k]));
+      gradient[d] += (side ? 1 : -1) * (data->wall[k] + (place - k) * (data->wall[k + 1] - data->wall[k]));
     }
 }
 
@@ -58,7 +64,7 @@ static void SumGradients(Tension tension, PetscInt m, const float x[DIM], PetscR
     float gx = 0, gy = 0, gz = 0, hx = 0, hy = 0, hz = 0;
 
     Slopes(tension, (const float *const[]){cx, cy, cz}, count, x, F);
-    if (tension->summed) {
+    if (Data(tension)->summed) {
       SIMD_LOOP(reduction(+ : gx, gy, gz, hx, hy, hz))
       for (PetscInt k = 0; k < count; k++) {
         const float dx = x0 - cx[k], dy = y0 - cy[k], dz = z0 - cz[k], f = F[k] * w[k], h = F[k] * rho[k];
@@ -122,7 +128,7 @@ static void SumForce(Tension tension, PetscInt m, const float x[DIM], PetscReal 
 /* Whether the model is evaluated for particle a at x. */
 static inline PetscBool Evaluated(Tension tension, Cloud cloud, PetscInt a, const PetscReal x[DIM])
 {
-  return (PetscBool)(a < cloud->n_owned && CellMaskHas(&tension->near, x));
+  return (PetscBool)(a < cloud->n_owned && CellMaskHas(&Data(tension)->near, x));
 }
 
 /* With -tension_density summed: loads the columns of the first pass. */
@@ -164,14 +170,14 @@ static void FindGradient(Tension tension, Cloud cloud, PetscInt a, const PetscRe
                          PetscInt m, PetscReal g[DIM])
 {
   const PetscReal sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-                  kappa = tension->calibration * KernelSmoothingLength(tension->kernel) * sigma;
+                  kappa = Data(tension)->calibration * KernelSmoothingLength(tension->kernel) * sigma;
   PetscReal gradient[2][DIM];
 
   SumGradients(tension, m, place, gradient);
   for (PetscInt d = 0; d < DIM; d++) gradient[0][d] *= cloud->domain->volume;
   AddWalls(tension, cloud->domain, x, gradient[0]);
   for (PetscInt d = 0; d < DIM; d++) g[d] = PetscSqrtReal(kappa) * gradient[0][d];
-  if (tension->summed) AddOwnForce(tension, cloud, a, x, gradient[1], g);
+  if (Data(tension)->summed) AddOwnForce(tension, cloud, a, x, gradient[1], g);
 }
 
 /* Adds 1/rho_a sum_b V_b S_b grad W^H_ab to the acceleration of particle a. With one rest density this equals the
@@ -179,7 +185,7 @@ static void FindGradient(Tension tension, Cloud cloud, PetscInt a, const PetscRe
    the part of AddOwnForce. */
 static void AddForce(Tension tension, Cloud cloud, PetscInt a, const float place[DIM], PetscInt m)
 {
-  const PetscReal factor = cloud->domain->volume / (tension->summed ? 1 : cloud->rest_density[a]);
+  const PetscReal factor = cloud->domain->volume / (Data(tension)->summed ? 1 : cloud->rest_density[a]);
   PetscReal       force[DIM];
 
   SumForce(tension, m, place, force);
@@ -214,7 +220,7 @@ static PetscInt NextGroup(Tension tension, Cloud cloud, PetscInt p, PetscReal lo
 static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscReal g[])
 {
   SortedCells   *liquid  = tension->liquid;
-  const PetscInt columns = DIM + (!g ? DIM : tension->summed ? 2 : 0);
+  const PetscInt columns = DIM + (!g ? DIM : Data(tension)->summed ? 2 : 0);
   PetscReal      lower[DIM], upper[DIM];
 
   PetscFunctionBegin;
@@ -246,17 +252,18 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscReal g[])
 static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 {
   const Domain    domain  = cloud->domain;
-  const PetscReal support = KernelSupport(tension->kernel), radius = tension->band * support + tension->spacing;
+  CahnHilliard   *data    = tension->data;
+  const PetscReal support = KernelSupport(tension->kernel), radius = data->band * support + tension->spacing;
   PetscReal       origin[DIM];
   PetscInt       *of, count;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) origin[d] = domain->lower[d] - (support + cloud->slack);
   PetscCall(PetscMalloc1(cloud->n_total, &of));
-  PetscCall(SurfaceList(tension, cloud, NULL, of, &count));
-  PetscCall(CellMaskDestroy(&tension->near));
+  PetscCall(SurfaceList(cloud, NULL, NULL, of, &count));
+  PetscCall(CellMaskDestroy(&data->near));
   PetscCall(CellMaskCreate(radius > support ? domain->comm : PETSC_COMM_SELF, domain->dim, origin, radius / NEAR_CELLS,
-                           radius, count, of, cloud->field[FIELD_POSITION], &tension->near));
+                           radius, count, of, cloud->field[FIELD_POSITION], &data->near));
   PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -264,10 +271,10 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[])
 {
   PetscFunctionBegin;
-  PetscCall(LiquidSort(tension, cloud, 0, NULL));
+  PetscCall(LiquidSort(tension, cloud, NULL, 0, NULL));
   PetscCall(MarkNear(tension, cloud));
   PetscCall(PetscArrayzero(g, DIM * cloud->n_owned));
-  if (tension->summed) PetscCall(LoadDensities(tension, cloud));
+  if (Data(tension)->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(Pass(tension, cloud, g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -290,11 +297,27 @@ static PetscErrorCode TensionApply_CahnHilliard(Tension tension, Cloud cloud)
 static PetscErrorCode TabulateWall(void *owner)
 {
   Tension         tension = (Tension)owner;
+  CahnHilliard   *data    = tension->data;
   const PetscReal support = KernelSupport(tension->kernel);
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= WALL_TABLE; k++)
-    KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &tension->wall[k], NULL);
+    KernelHalfSpace(tension->kernel, support * k / WALL_TABLE, &data->wall[k], NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SetDefaults(void *owner)
+{
+  CahnHilliard *data = ((Tension)owner)->data;
+
+  data->calibration = 3.959;
+  data->band        = 1;
+}
+
+static PetscErrorCode Destroy(Tension tension)
+{
+  PetscFunctionBegin;
+  PetscCall(CellMaskDestroy(&Data(tension)->near));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -302,18 +325,19 @@ static const char *const Densities[] = {"rest", "summed", NULL};
 
 static const OptionRow options[] = {
   {"-tension_calibration", "kappa/(sigma H); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "1", "(0, inf)",
-   ROW_REAL, offsetof(struct _p_Tension, calibration)},
+   ROW_REAL, offsetof(CahnHilliard, calibration)},
   {"-tension_band", "Distance from the surface within which tension is evaluated, over 2H", "1", "(0, 2]", ROW_REAL,
-   offsetof(struct _p_Tension, band)},
+   offsetof(CahnHilliard, band)},
   {"-tension_density",
    "Density in phi and in the force of the stress: summed is Eq. (4), rest keeps the packing's noise out of the force",
-   NULL, NULL, ROW_WORD, offsetof(struct _p_Tension, summed), .words = Densities},
+   NULL, NULL, ROW_WORD, offsetof(CahnHilliard, summed), .words = Densities},
   {.name = NULL},
 };
 
 const TensionModel TensionCahnHilliard = {
-  .choice     = {TENSION_CAHN_HILLIARD, 0, options, NULL, TabulateWall},
+  .choice     = {TENSION_CAHN_HILLIARD, sizeof(CahnHilliard), options, SetDefaults, TabulateWall},
   .apply      = TensionApply_CahnHilliard,
+  .destroy    = Destroy,
   .step_limit = STEP_LIMIT_PLAIN,
   .step_most  = STEP_LIMIT_PLAIN,
 };

@@ -16,7 +16,7 @@
 
    An image may be nearer than its particle. Which particles beyond the support are known depends on cells and ranks, so
    their images are left out. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 /* A surface ends at a wall if the part of its normal along the wall is at least this times the sine of the contact
    angle. */
@@ -45,37 +45,39 @@ static ContactAngle FromDegrees(PetscReal degrees, PetscReal hysteresis)
   return contact;
 }
 
-PetscErrorCode ContactCreate(Tension tension, Domain domain, Scene scene)
+/* Takes the angles of the scene's solids. */
+static PetscErrorCode SolidAngles(Tension tension)
 {
-  SolidContact *solid = &tension->solid;
+  Curvature    *data  = tension->data;
+  SolidContact *solid = &data->solid;
 
   PetscFunctionBegin;
-  solid->scene = scene;
-  for (PetscInt d = 0; d < DIM; d++)
-    for (PetscInt side = 0; side < 2; side++) {
-      tension->face[d][side] = domain->face[d][side];
-      if (d < domain->dim && domain->face[d][side] == FACE_WALL) tension->walls = PETSC_TRUE;
-    }
-  for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
-    if (BodyContactAngle(SceneSolid(scene, s)) > 0) solid->count = SceneSolidCount(scene);
+  for (PetscInt s = 0; s < SceneSolidCount(tension->scene); s++)
+    if (BodyContactAngle(SceneSolid(tension->scene, s)) > 0) solid->count = SceneSolidCount(tension->scene);
   PetscCall(PetscCalloc1(solid->count, &solid->angle));
   for (PetscInt s = 0; s < solid->count; s++) {
-    const Body body = SceneSolid(scene, s);
+    const Body body = SceneSolid(tension->scene, s);
 
     solid->angle[s] = FromDegrees(BodyContactAngle(body), BodyContactHysteresis(body));
-    if (solid->angle[s].hysteresis_force > 0) tension->hysteresis = PETSC_TRUE;
+    if (solid->angle[s].hysteresis_force > 0) data->hysteresis = PETSC_TRUE;
+    if (solid->angle[s].image_tilt != 0) data->tilted = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ContactDestroy(Tension tension)
 {
+  Curvature *data = tension->data;
+
   PetscFunctionBegin;
-  PetscCall(PetscFree(tension->solid.angle));
-  PetscCall(PetscFree(tension->images.parent));
-  PetscCall(PetscFree(tension->images.origin));
-  PetscCall(PetscFree(tension->images.volume));
-  PetscCall(SortedCellsReset(&tension->solid.dummies));
+  PetscCall(PetscFree(data->solid.angle));
+  PetscCall(PetscFree(data->images.parent));
+  PetscCall(PetscFree(data->images.origin));
+  PetscCall(PetscFree(data->images.volume));
+  PetscCall(PetscFree(data->line.bend));
+  PetscCall(PetscFree(data->line.wanted));
+  PetscCall(PetscFree(data->line.start));
+  PetscCall(SortedCellsReset(&data->solid.dummies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,7 +96,8 @@ static const OptionRow angles[] = {
 
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  GivenAngles all = {90, 0};
+  Curvature  *data = tension->data;
+  GivenAngles all  = {90, 0};
 
   PetscFunctionBegin;
   PetscCall(LineSetFromOptions(tension, PetscOptionsObject));
@@ -114,14 +117,15 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
       0.5 * all.hysteresis < PetscMin(angle, 180 - angle), tension->comm,
       "-wall_contact_hysteresis %g: half of it below and half above the contact angle, %g, must be in (0, 180)",
       (double)all.hysteresis, (double)angle);
-    tension->contact[d][side] = FromDegrees(angle, all.hysteresis);
-    if (tension->face[d][side] == FACE_WALL && all.hysteresis > 0) tension->hysteresis = PETSC_TRUE;
-    if (tension->face[d][side] == FACE_WALL && tension->contact[d][side].image_tilt != 0) tension->tilted = PETSC_TRUE;
+    data->contact[d][side] = FromDegrees(angle, all.hysteresis);
+    if (tension->face[d][side] != FACE_WALL) continue;
+    data->walls = PETSC_TRUE;
+    if (all.hysteresis > 0) data->hysteresis = PETSC_TRUE;
+    if (data->contact[d][side].image_tilt != 0) data->tilted = PETSC_TRUE;
   }
-  for (PetscInt s = 0; s < tension->solid.count; s++)
-    if (tension->solid.angle[s].image_tilt != 0) tension->tilted = PETSC_TRUE;
-  if (TensionHasLaw(tension) && (tension->walls || tension->solid.count)) tension->tilted = PETSC_TRUE;
-  tension->images.used = (PetscBool)(tension->tilted || tension->solid.count > 0);
+  PetscCall(SolidAngles(tension));
+  if (TensionHasLaw(tension) && (data->walls || data->solid.count)) data->tilted = PETSC_TRUE;
+  data->images.used = (PetscBool)(data->tilted || data->solid.count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,25 +153,28 @@ static PetscBool Angles(const ContactAngle *contact, PetscReal angle[2])
 
 PetscBool TensionFaceAngles(Tension tension, PetscInt d, PetscInt side, PetscReal angle[2])
 {
-  return (PetscBool)(tension->active && tension->face[d][side] == FACE_WALL && d < tension->dim &&
-                     Angles(&tension->contact[d][side], angle));
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(tension->active && data && tension->face[d][side] == FACE_WALL && d < tension->dim &&
+                     Angles(&data->contact[d][side], angle));
 }
 
 PetscBool TensionSolidAngles(Tension tension, PetscInt s, PetscReal angle[2])
 {
-  return (PetscBool)(tension->active && s < tension->solid.count && Angles(&tension->solid.angle[s], angle));
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(tension->active && data && s < data->solid.count && Angles(&data->solid.angle[s], angle));
 }
 
 /* The wall or solid with a contact angle of number k: its name, and its angles; false: there is none. *name NULL: no
    wall, no solid of this number. */
 static PetscBool AnglesOf(Tension tension, PetscInt k, const char **name, PetscReal angle[2])
 {
-  const SolidContact *solid = &tension->solid;
-  const PetscInt      faces = 2 * tension->dim;
+  const PetscInt faces = 2 * tension->dim;
 
-  *name = k < faces                  ? FaceNames[k / 2][k % 2]
-          : k - faces < solid->count ? BodyName(SceneSolid(solid->scene, k - faces))
-                                     : NULL;
+  *name = k < faces                                     ? FaceNames[k / 2][k % 2]
+          : k - faces < SceneSolidCount(tension->scene) ? BodyName(SceneSolid(tension->scene, k - faces))
+                                                        : NULL;
   if (!*name) return PETSC_FALSE;
   return k < faces ? TensionFaceAngles(tension, k / 2, k % 2, angle) : TensionSolidAngles(tension, k - faces, angle);
 }
@@ -210,44 +217,48 @@ static PetscErrorCode ViewAngles(Tension tension, PetscViewer viewer)
 
 PetscErrorCode ContactView(Tension tension, PetscViewer viewer)
 {
+  const Curvature    *data  = CurvatureOf(tension);
   const ContactAngle *worst = NULL;
 
   PetscFunctionBegin;
+  if (!data) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ViewAngles(tension, viewer));
   for (PetscInt f = 0; f < 2 * tension->dim; f++) {
-    const ContactAngle *contact = &tension->contact[f / 2][f % 2];
+    const ContactAngle *contact = &data->contact[f / 2][f % 2];
 
     if (contact->angle > 0 && (!worst || contact->sine < worst->sine)) worst = contact;
   }
   if (worst) PetscCall(Warn(worst, "a wall", viewer));
-  for (PetscInt s = 0; s < tension->solid.count; s++) PetscCall(Warn(&tension->solid.angle[s], "a solid", viewer));
+  for (PetscInt s = 0; s < data->solid.count; s++) PetscCall(Warn(&data->solid.angle[s], "a solid", viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The contact angle of a line with this capillary number, for images: the friction of hysteresis adds its part. */
-static ContactAngle Moving(Tension tension, const ContactAngle *contact, PetscReal capillary)
+/* The contact angle of a line with this LineBend, for images: the friction of hysteresis adds its part. */
+static ContactAngle Moving(Tension tension, const ContactAngle *contact, PetscReal bend)
 {
-  const PetscReal friction = capillary > 0 ? contact->hysteresis_force : -contact->hysteresis_force;
+  const PetscReal friction = bend > 0 ? contact->hysteresis_force : -contact->hysteresis_force;
   PetscReal       angle;
   ContactAngle    moving;
 
-  if (capillary == 0) return *contact;
-  angle  = LineAngle(tension, acos(contact->cosine - friction), capillary);
+  if (bend == 0) return *contact;
+  angle  = LineAngle(tension, acos(contact->cosine - friction), bend);
   moving = FromDegrees(acos(PetscMin(1, PetscMax(-1, PetscCosReal(angle) + friction))) * (180 / PETSC_PI), 0);
   moving.hysteresis_force = contact->hysteresis_force;
   return moving;
 }
 
-PetscBool ContactOf(Tension tension, const WallImages *image, PetscInt a, PetscReal inward[DIM], ContactAngle *contact)
+PetscBool ContactOf(Tension tension, const At *at, const WallImages *image, PetscReal inward[DIM],
+                    ContactAngle *contact)
 {
-  const SolidContact *solid = &tension->solid;
-  const PetscReal    *n     = image->contact ? image->inward : solid->meeting + DIM * a;
-  const PetscInt      index = image->contact ? 0 : (PetscInt)solid->mirror[DIM * a + 2];
+  const Curvature    *data  = tension->data;
+  const SolidContact *solid = &data->solid;
+  const PetscReal    *n     = image->contact ? image->inward : solid->meeting + DIM * at->a;
+  const PetscInt      index = image->contact ? 0 : (PetscInt)solid->mirror[DIM * at->a + 2];
 
   for (PetscInt d = 0; d < DIM; d++) inward[d] = n[d];
   if (index < 0) return PETSC_FALSE;
   *contact = Moving(tension, image->contact ? image->contact : &solid->angle[index],
-                    TensionHasLaw(tension) ? tension->line.of[a] : 0);
+                    TensionHasLaw(tension) ? data->line.bend[at->a] : 0);
   return PETSC_TRUE;
 }
 
@@ -258,12 +269,12 @@ static PetscReal ImageReach(const SortedCells *liquid, PetscInt cell)
   return SortedRadius(liquid, cell) + liquid->grid.size;
 }
 
-static PetscBool NearWall(Tension tension, Domain domain, PetscInt cell, const PetscReal x[DIM])
+static PetscBool NearWall(Domain domain, const At *at, PetscInt cell)
 {
-  const PetscReal reach = ImageReach(tension->liquid, cell);
-  PetscBool       near  = PETSC_FALSE;
+  const PetscReal *x = at->x, reach = ImageReach(at->liquid, cell);
+  PetscBool        near = PETSC_FALSE;
 
-  for (PetscInt d = 0; d < domain->dim && tension->walls; d++) {
+  for (PetscInt d = 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_WALL && PetscAbsReal(x[d] - domain->lower[d]) <= reach) near = PETSC_TRUE;
     if (domain->face[d][1] == FACE_WALL && PetscAbsReal(x[d] - domain->upper[d]) <= reach) near = PETSC_TRUE;
   }
@@ -291,10 +302,9 @@ static PetscBool MirrorNormal(const ContactAngle *contact, const PetscReal inwar
 
 /* Copies the columns of candidate k to the place 'to', with the normal of an image (columns as in AddImages) and the
    same position. False: no image. */
-static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const PetscReal inward[DIM], PetscInt width,
-                           PetscInt k, PetscInt to)
+static PetscBool CopyImage(Tension tension, SortedCells *liquid, const ContactAngle *contact,
+                           const PetscReal inward[DIM], PetscInt width, PetscInt k, PetscInt to)
 {
-  SortedCells   *liquid = tension->liquid;
   const PetscInt stride = liquid->stride;
   PetscReal     *from = liquid->near + k, *copy = liquid->near + to, image[DIM];
 
@@ -314,24 +324,23 @@ static PetscBool CopyImage(Tension tension, const ContactAngle *contact, const P
 /* Whether images are moved by the depth of their particles: then one may be nearer than its particle's mirror image. */
 static PetscBool Shifts(Tension tension, PetscInt width)
 {
-  return (PetscBool)(tension->tilted && width > DIM);
+  return (PetscBool)(CurvatureOf(tension)->tilted && width > DIM);
 }
 
-/* Appends the images in one wall (m, its position along the axis) of the n collected candidates within 'reach' (m) of
-   the wall, with the weight and the first 'width' columns; columns 3 to 5 are normals if width > 3. Returns the new
-   number. The first 'real' of the n candidates are particles, the others images. */
-static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, PetscInt axis, const WallImages *image,
+/* Appends the images in one wall of the n collected candidates within 'reach' (m) of the wall, with the weight and the
+   first 'width' columns; columns 3 to 5 are normals if width > 3. Returns the new number. The first 'real' of the n
+   candidates are particles, the others images. */
+static PetscInt AddImages(Tension tension, SortedCells *liquid, PetscReal reach, const WallImages *image,
                           PetscInt width, PetscInt real, PetscInt n)
 {
-  Images        *images = &tension->images;
-  const PetscInt stride = tension->liquid->stride;
-  PetscReal     *at     = tension->liquid->near + axis * stride;
-  PetscInt       copies = n;
+  Images    *images = &CurvatureOf(tension)->images;
+  PetscReal *x      = liquid->near + image->axis * liquid->stride;
+  PetscInt   copies = n;
 
   for (PetscInt k = 0; k < n; k++) {
-    if (!Shifts(tension, width) && PetscAbsReal(at[k] - wall) > reach) continue;
-    if (!CopyImage(tension, image->contact, image->inward, width, k, copies)) continue;
-    at[copies] = 2 * wall - at[k];
+    if (!Shifts(tension, width) && PetscAbsReal(x[k] - image->wall) > reach) continue;
+    if (!CopyImage(tension, liquid, image->contact, image->inward, width, k, copies)) continue;
+    x[copies] = 2 * image->wall - x[k];
     if (images->used) {
       images->parent[copies] = k;
       images->origin[copies] = k < real ? k : images->origin[k];
@@ -344,11 +353,12 @@ static PetscInt AddImages(Tension tension, PetscReal wall, PetscReal reach, Pets
 
 /* The same for images in solids. Leaves out images that are beyond the support of all points of the cell of x, wherever
    they are moved along the solid. */
-static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt cell, PetscInt width, PetscInt n)
+static PetscInt AddSolidImages(Tension tension, const At *at, PetscInt cell, PetscInt width, PetscInt n)
 {
-  const SolidContact *solid  = &tension->solid;
-  Images             *images = &tension->images;
-  SortedCells        *liquid = tension->liquid;
+  Curvature          *data   = tension->data;
+  const SolidContact *solid  = &data->solid;
+  Images             *images = &data->images;
+  SortedCells        *liquid = at->liquid;
   const PetscInt      stride = liquid->stride;
   const PetscReal     reach  = SortedRadius(liquid, cell) + PetscSqrtReal((PetscReal)tension->dim) * liquid->grid.size;
   PetscInt            copies = n;
@@ -361,10 +371,10 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
 
     if (mirror[2] < 0 || mirror[1] == 0) continue;
     contact = &solid->angle[(PetscInt)mirror[2]];
-    for (PetscInt d = 0; d < DIM; d++) away[d] = liquid->near[d * stride + k] - 2 * mirror[0] * normal[d] - x[d];
+    for (PetscInt d = 0; d < DIM; d++) away[d] = liquid->near[d * stride + k] - 2 * mirror[0] * normal[d] - at->x[d];
     if (!Shifts(tension, width) && Norm(away) > reach + 2 * PetscAbsReal(contact->image_tilt * mirror[0])) continue;
-    if (!CopyImage(tension, contact, solid->meeting + DIM * a, width, k, copies)) continue;
-    for (PetscInt d = 0; d < DIM; d++) liquid->near[d * stride + copies] = x[d] + away[d];
+    if (!CopyImage(tension, liquid, contact, solid->meeting + DIM * a, width, k, copies)) continue;
+    for (PetscInt d = 0; d < DIM; d++) liquid->near[d * stride + copies] = at->x[d] + away[d];
     images->parent[copies]   = k;
     images->origin[copies]   = k;
     images->volume[copies++] = (float)mirror[1];
@@ -374,14 +384,15 @@ static PetscInt AddSolidImages(Tension tension, const PetscReal x[DIM], PetscInt
 
 /* Moves the images of a group to their positions for a particle: 'tilt' times their distance from the wall. normals:
    the columns of normals and depths are collected. */
-static void MoveImages(Tension tension, const WallImages *image, PetscBool normals, const PetscReal tilt[DIM])
+static void MoveImages(const Curvature *data, SortedCells *liquid, const WallImages *image, PetscBool normals,
+                       const PetscReal tilt[DIM])
 {
-  const SolidContact *solid  = &tension->solid;
-  const PetscInt      stride = tension->liquid->stride;
-  PetscReal          *x = tension->liquid->near, *y = x + stride, *z = y + stride, *index = x + SOLID_COLUMN * stride;
+  const SolidContact *solid  = &data->solid;
+  const PetscInt      stride = liquid->stride;
+  PetscReal          *x = liquid->near, *y = x + stride, *z = y + stride, *index = x + SOLID_COLUMN * stride;
 
   for (PetscInt k = image->begin; k < image->end; k++) {
-    const PetscInt   from   = tension->images.parent[k];
+    const PetscInt   from   = data->images.parent[k];
     const PetscReal *normal = image->inward;
     PetscReal        s, shift[DIM];
 
@@ -408,75 +419,75 @@ static void MoveImages(Tension tension, const WallImages *image, PetscBool norma
   }
 }
 
-/* Whether particle a at x (m) is within its support of the wall of a group of images; others do not see them. */
-static PetscBool SeesWall(Tension tension, const WallImages *image, PetscInt a, const PetscReal x[DIM])
+/* Whether a particle is within its support of the wall of a group of images; others do not see them. */
+static PetscBool SeesWall(const Curvature *data, const At *at, const WallImages *image)
 {
-  const PetscReal  support = tension->size * tension->liquid->support;
-  const PetscReal *mirror  = tension->solid.mirror + (image->contact ? 0 : DIM * a);
+  const PetscReal  support = at->size * at->liquid->support;
+  const PetscReal *mirror  = data->solid.mirror + (image->contact ? 0 : DIM * at->a);
 
-  if (image->contact) return (PetscBool)(PetscAbsReal(x[image->axis] - image->wall) <= support);
+  if (image->contact) return (PetscBool)(PetscAbsReal(at->x[image->axis] - image->wall) <= support);
   return (PetscBool)(mirror[2] >= 0 && mirror[0] <= support);
 }
 
 /* Moves the images of a group out of all supports. */
-static void RemoveImages(Tension tension, const WallImages *image)
+static void RemoveImages(SortedCells *liquid, const WallImages *image)
 {
-  for (PetscInt k = image->begin; k < image->end; k++) tension->liquid->near[k] = FAR_AWAY;
+  for (PetscInt k = image->begin; k < image->end; k++) liquid->near[k] = FAR_AWAY;
 }
 
-void ContactTilt(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM],
-                 const PetscReal outward[DIM], PetscReal full)
+void ContactTilt(Tension tension, const At *at, const Around *around, const PetscReal outward[DIM], PetscReal full)
 {
-  const PetscBool normals = Shifts(tension, around->width);
+  const Curvature *data    = tension->data;
+  const PetscBool  normals = Shifts(tension, around->width);
 
-  for (PetscInt g = 0; g < around->images && tension->tilted; g++) {
+  for (PetscInt g = 0; g < around->images && data->tilted; g++) {
     PetscReal    inward[DIM], tilt[DIM] = {0, 0, 0}, flat[DIM], into, length;
     ContactAngle contact;
 
-    if (ContactOf(tension, &around->image[g], a, inward, &contact)) {
+    if (ContactOf(tension, at, &around->image[g], inward, &contact)) {
       into = Dot(outward, inward);
       for (PetscInt d = 0; d < DIM; d++) flat[d] = outward[d] - into * inward[d];
       length = PetscMax(Norm(flat), PARALLEL * contact.sine * full);
       for (PetscInt d = 0; d < DIM; d++) tilt[d] = 2 * contact.image_tilt * flat[d] / length;
     }
-    if (normals && !SeesWall(tension, &around->image[g], a, x))
-      RemoveImages(tension, &around->image[g]);
+    if (normals && !SeesWall(data, at, &around->image[g]))
+      RemoveImages(at->liquid, &around->image[g]);
     else
-      MoveImages(tension, &around->image[g], normals, tilt);
+      MoveImages(data, at->liquid, &around->image[g], normals, tilt);
   }
 }
 
-float ContactVolume(Tension tension, PetscInt k, const PetscReal x[DIM])
+float ContactVolume(Tension tension, const At *at, PetscInt k)
 {
-  const Images    *images = &tension->images;
-  const PetscInt   stride = tension->liquid->stride;
-  const PetscReal *from   = tension->liquid->near + images->origin[k],
-                  r[DIM]  = {from[0] - x[0], from[stride] - x[1], from[2 * stride] - x[2]};
+  const Images    *images = &CurvatureOf(tension)->images;
+  const PetscInt   stride = at->liquid->stride;
+  const PetscReal *from   = at->liquid->near + images->origin[k],
+                  r[DIM]  = {from[0] - at->x[0], from[stride] - at->x[1], from[2 * stride] - at->x[2]};
 
-  return Dot(r, r) < PetscSqr(tension->size * tension->liquid->support) ? images->volume[k] : 0;
+  return Dot(r, r) < PetscSqr(at->size * at->liquid->support) ? images->volume[k] : 0;
 }
 
-/* Appends the images of the collected candidates in solids and in all walls within the support of the cell of x. An
+/* Appends the images of the collected candidates in solids and in all walls within the support of the cell. An
    image may have an image in the next wall. */
-static void Mirror(Tension tension, Domain domain, const PetscReal x[DIM], PetscInt width, Around *around)
+static void Mirror(Tension tension, Domain domain, const At *at, PetscInt width, Around *around)
 {
-  const PetscReal reach = ImageReach(tension->liquid, around->cell);
+  const Curvature *data  = tension->data;
+  const PetscReal  reach = ImageReach(at->liquid, around->cell);
 
-  if (tension->solid.count) {
-    const PetscInt n = AddSolidImages(tension, x, around->cell, width, around->n);
+  if (data->solid.count) {
+    const PetscInt n = AddSolidImages(tension, at, around->cell, width, around->n);
 
     around->image[around->images++] = (WallImages){.begin = around->n, .end = n};
     around->n                       = n;
   }
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
-      const PetscReal wall  = side ? domain->upper[d] : domain->lower[d];
-      WallImages      image = {.begin = around->n, .axis = d, .wall = wall, .contact = &tension->contact[d][side]};
+      const PetscReal wall = side ? domain->upper[d] : domain->lower[d], apart = PetscAbsReal(at->x[d] - wall);
+      WallImages      image = {.begin = around->n, .axis = d, .wall = wall, .contact = &data->contact[d][side]};
 
-      if (domain->face[d][side] != FACE_WALL || PetscAbsReal(x[d] - wall) > reach) continue;
+      if (domain->face[d][side] != FACE_WALL || apart > reach) continue;
       image.inward[d] = side ? -1 : 1;
-      around->n       = image.end =
-        AddImages(tension, wall, reach - PetscAbsReal(x[d] - wall), d, &image, width, around->real, around->n);
+      around->n = image.end = AddImages(tension, at->liquid, reach - apart, &image, width, around->real, around->n);
       around->image[around->images++] = image;
     }
 }
@@ -496,17 +507,17 @@ static PetscErrorCode GrowImages(Images *images, PetscInt capacity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const PetscReal x[DIM], PetscInt columns,
-                              PetscInt width, Around *around)
+PetscErrorCode ContactCollect(Tension tension, Domain domain, const At *at, PetscInt columns, PetscInt width,
+                              Around *around)
 {
-  SortedCells    *liquid = tension->liquid;
-  const PetscBool solids = (PetscBool)(tension->solid.count > 0);
-  const PetscInt  cell   = SortedCell(liquid, p);
+  Curvature      *data   = tension->data;
+  const PetscBool solids = (PetscBool)(data->solid.count > 0);
+  const PetscInt  cell   = SortedCell(at->liquid, at->p);
   PetscBool       faces;
 
   PetscFunctionBegin;
   if (cell == around->cell) PetscFunctionReturn(PETSC_SUCCESS);
-  faces          = NearWall(tension, domain, cell, x);
+  faces          = (PetscBool)(data->walls && NearWall(domain, at, cell));
   around->cell   = cell;
   around->width  = width;
   around->images = 0;
@@ -514,10 +525,10 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, PetscInt p, const 
   if (tension->weighted) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   if (solids) columns |= COLUMNS(SOLID_COLUMN, 1);
   if (TensionHasLaw(tension) && width > DIM) columns |= COLUMNS(LINE_COLUMN, 1);
-  PetscCall(
-    SortedCellsCollect(liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1), &around->real));
-  PetscCall(GrowImages(&tension->images, liquid->stride));
+  PetscCall(SortedCellsCollect(at->liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1),
+                               &around->real));
+  PetscCall(GrowImages(&data->images, at->liquid->stride));
   around->n = around->real;
-  if (faces || solids) Mirror(tension, domain, x, width, around);
+  if (faces || solids) Mirror(tension, domain, at, width, around);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

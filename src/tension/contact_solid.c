@@ -12,7 +12,7 @@
    away from the surface of the shape. Images are mirrored in the surface of the dummy particles (Offset). A particle
    too far away for a rank to know those at its foot takes the mean over those near: without any, a plane at 45 degrees
    to the lattice had a curvature 10 % too large beside the line. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 #define DIVERGENCE_STEP 0.5 /* spacings, of the finite differences of div n */
 /* Distances from a solid, spacings: up to OFFSET_ALL the offset of its dummy particles counts in full, beyond
@@ -41,14 +41,15 @@ static PetscReal SurfaceDivergence(Scene scene, PetscInt dim, PetscReal step, co
 /* Sorts the dummy particles of solids. */
 static PetscErrorCode SortDummies(Tension tension, Cloud cloud)
 {
-  const PetscReal support = KernelSupport(tension->core);
+  Curvature      *data    = tension->data;
+  const PetscReal support = KernelSupport(data->core);
   PetscInt       *of, n = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_total, &of));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     if (cloud->integer[INT_LAYER][a] != 0 && cloud->integer[INT_BODY][a] <= BODY_SOLID) of[n++] = a;
-  PetscCall(SortedCellsBuild(&tension->solid.dummies, cloud, n, of, support, support));
+  PetscCall(SortedCellsBuild(&data->solid.dummies, cloud, n, of, support, support));
   PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,7 +57,8 @@ static PetscErrorCode SortDummies(Tension tension, Cloud cloud)
 /* The fraction of the kernel at x (m) that dummy particles fill. */
 static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM])
 {
-  SortedCells     *dummies = &tension->solid.dummies;
+  Curvature       *data    = tension->data;
+  SortedCells     *dummies = &data->solid.dummies;
   const PetscReal *cx = dummies->sorted, *cy = cx + dummies->count, *cz = cy + dummies->count;
   PetscReal        sum = 0, r2[CHUNK], W[CHUNK];
 
@@ -72,7 +74,7 @@ static PetscReal Filled(Tension tension, PetscReal volume, const PetscReal x[DIM
 
         r2[k] = Dot(r, r);
       }
-      KernelEvaluate(tension->core, m, r2, W, NULL);
+      KernelEvaluate(data->core, m, r2, W, NULL);
       for (PetscInt k = 0; k < m; k++) sum += volume * W[k];
     }
   }
@@ -89,8 +91,9 @@ static inline PetscReal Nearness(Tension tension, PetscReal s)
    div_n (1/m): of the shape there. */
 static PetscReal Offset(Tension tension, PetscReal volume, const PetscReal foot[DIM], PetscReal div_n)
 {
-  const PetscReal filled = Filled(tension, volume, foot) + 0.5 * div_n * SHEET_CORE * tension->moment,
-                  offset = (filled - 0.5) * SHEET_CORE / tension->plane;
+  const Curvature *data   = tension->data;
+  const PetscReal  filled = Filled(tension, volume, foot) + 0.5 * div_n * SHEET_CORE * data->moment,
+                  offset  = (filled - 0.5) * SHEET_CORE / data->plane;
 
   return PetscMax(-0.5, PetscMin(0.5, offset / tension->spacing)) * tension->spacing;
 }
@@ -99,7 +102,8 @@ static PetscReal Offset(Tension tension, PetscReal volume, const PetscReal foot[
    it. */
 static PetscErrorCode TakeOffsets(Tension tension, Cloud cloud, const PetscReal offset[])
 {
-  SolidContact *solid                     = &tension->solid;
+  Curvature    *data                      = tension->data;
+  SolidContact *solid                     = &data->solid;
   PetscReal     sum[2 * SCENE_MAX_BODIES] = {0}; /* of each solid: offsets; particles */
 
   PetscFunctionBegin;
@@ -129,7 +133,8 @@ static PetscErrorCode TakeOffsets(Tension tension, Cloud cloud, const PetscReal 
 static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], PetscReal reach, PetscReal mirror[DIM],
                       PetscReal normal[DIM], PetscReal *offset)
 {
-  const SolidContact *solid   = &tension->solid;
+  const Curvature    *data    = tension->data;
+  const SolidContact *solid   = &data->solid;
   PetscInt            nearest = 0;
   const PetscReal     s       = SceneSolidDistance(cloud->scene, x, &nearest);
   PetscReal           image[DIM], foot[DIM], div_n, length;
@@ -154,7 +159,8 @@ static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], Pets
 
 PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
 {
-  SolidContact *solid = &tension->solid;
+  Curvature    *data  = tension->data;
+  SolidContact *solid = &data->solid;
   PetscReal    *offset;
 
   PetscFunctionBegin;
@@ -182,7 +188,8 @@ PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
 
 PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
 {
-  SolidContact *solid = &tension->solid;
+  Curvature    *data  = tension->data;
+  SolidContact *solid = &data->solid;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid && solid->count; a++) {
@@ -200,7 +207,8 @@ PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal 
 
 PetscErrorCode ContactRestore(Tension tension, Cloud cloud)
 {
-  SolidContact *solid = &tension->solid;
+  Curvature    *data  = tension->data;
+  SolidContact *solid = &data->solid;
 
   PetscFunctionBegin;
   if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,7 @@
 #include <float.h>
 
 #include "../base/simd.h"
-#include "tension_impl.h"
+#include "curvature.h"
 
 /* Least |grad phi| H of a particle with a normal: 0.9 H below a flat surface. No reference. */
 #define THRESHOLD 0.2
@@ -35,51 +35,16 @@
 #define LARGEST_OUTSIDE 0.5
 #define ROOM            (CHUNK + WIDE) /* for a chunk, whose last vector may go beyond its end */
 #define BELOW_ONE       (1 - 1e-9)
-/* With half of this limit drops, threads, sheets and contact lines behave the same, in up to twice the steps. */
-#define STEP_LIMIT 0.5
-/* The curvature is smoothed over H, so short waves are slow: forces at the middle of the step are stable up to 7.6 to
-   8.5 times the unit (-spectrum); rings at rest move more than they should from 6 on. */
-#define STEP_MOST 4
-
-/* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
-static PetscErrorCode CurvatureSetUp(void *owner)
-{
-  Tension         tension = (Tension)owner;
-  const PetscReal support = KernelSupport(tension->kernel);
-  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
-  const PetscReal dr = support / WALL_TABLE;
-
-  PetscFunctionBegin;
-  WideStart();
-  KernelHalfSpace(tension->kernel, 0, &tension->plane, NULL);
-  KernelSurfaceTable(tension->kernel, WALL_TABLE, tension->fraction);
-  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
-  KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
-  tension->moment = 0;
-  for (PetscInt k = 0; k < WALL_TABLE; k++)
-    tension->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
-  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: half-space fills (1 + k/WALL_TABLE)/2 */
-    const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
-
-    while (m < WALL_TABLE && next < wanted) {
-      fraction = next;
-      m++;
-      next += KernelSlice(tension->kernel, support * (m - 1) / WALL_TABLE, support * m / WALL_TABLE);
-    }
-    tension->depth[k] =
-      support / WALL_TABLE * (m > 0 ? m - 1 + PetscMin(1, (wanted - fraction) / (next - fraction)) : 0);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* The depth (m) below a flat surface of a particle with this phi; it is negative outside. */
 static PetscReal FlatDepth(Tension tension, PetscReal phi)
 {
-  const PetscReal place = PetscMin(2 * phi - 1, BELOW_ONE) * WALL_TABLE;
-  const PetscInt  k     = (PetscInt)place;
+  const Curvature *data  = tension->data;
+  const PetscReal  place = PetscMin(2 * phi - 1, BELOW_ONE) * WALL_TABLE;
+  const PetscInt   k     = (PetscInt)place;
 
-  if (place < 0) return PetscMax((phi - 0.5) / tension->plane, -LARGEST_OUTSIDE * tension->spacing);
-  return tension->depth[k] + (place - k) * (tension->depth[k + 1] - tension->depth[k]);
+  if (place < 0) return PetscMax((phi - 0.5) / data->plane, -LARGEST_OUTSIDE * tension->spacing);
+  return data->depth[k] + (place - k) * (data->depth[k + 1] - data->depth[k]);
 }
 
 /* The neighbours of a particle in a chunk of the collected candidates. The candidates serve all particles of a cell; a
@@ -110,10 +75,11 @@ static PetscInt FindNeighbors(Tension tension, PetscInt begin, PetscInt m, float
 }
 
 /* Evaluates W, and F if wanted, of n neighbours, times the relative volumes of graded particles and images. */
-static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n, const PetscReal x[DIM],
-                              PetscBool wants_f, Neighbors *near)
+static void EvaluateNeighbors(Tension tension, const At *at, const Around *around, PetscInt n, PetscBool wants_f,
+                              Neighbors *near)
 {
-  const PetscReal *volume = tension->liquid->near + WEIGHT_COLUMN * tension->liquid->stride;
+  const Curvature *data   = tension->data;
+  const PetscReal *volume = at->liquid->near + WEIGHT_COLUMN * at->liquid->stride;
 
   KernelSingle(tension->kernel, n, near->s, near->W, wants_f ? near->F : NULL);
   for (PetscInt k = 0; k < n && tension->weighted; k++) {
@@ -122,42 +88,42 @@ static void EvaluateNeighbors(Tension tension, const Around *around, PetscInt n,
     near->W[k] *= v;
     if (wants_f) near->F[k] *= v;
   }
-  for (PetscInt k = n - 1; k >= 0 && near->place[k] >= around->real && tension->images.used; k--) {
-    const float image = ContactVolume(tension, near->place[k], x);
+  for (PetscInt k = n - 1; k >= 0 && near->place[k] >= around->real && data->images.used; k--) {
+    const float image = ContactVolume(tension, at, near->place[k]);
 
     near->W[k] *= image;
     if (wants_f) near->F[k] *= image;
   }
 }
 
-/* Multiplies W of n neighbours by the distance from the axis of the middle between them and a particle at x (m). */
-static void WeighMiddles(Tension tension, PetscInt n, const PetscReal x[DIM], Neighbors *near)
+/* Multiplies W of n neighbours by the distance from the axis of the middle between them and the particle. */
+static void WeighMiddles(Tension tension, const At *at, PetscInt n, Neighbors *near)
 {
-  const PetscReal *r = tension->liquid->near;
+  const PetscReal *r = at->liquid->near;
 
   for (PetscInt k = 0; k < n; k++)
-    near->W[k] *= (float)(0.5 * PetscAbsReal(x[0] + r[near->place[k]]) / tension->spacing);
+    near->W[k] *= (float)(0.5 * PetscAbsReal(at->x[0] + r[near->place[k]]) / tension->spacing);
 }
 
-/* Adds phi and grad phi at x of the collected candidates first to n - 1, without V. */
-static void SumPhase(Tension tension, const Around *around, PetscInt first, PetscInt n, const PetscReal x[DIM],
-                     PetscReal *phi, PetscReal gradient[DIM])
+/* Adds phi and grad phi at the particle of the collected candidates first to n - 1, without V. */
+static void SumPhase(Tension tension, const At *at, const Around *around, PetscInt first, PetscInt n, PetscReal *phi,
+                     PetscReal gradient[DIM])
 {
-  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + tension->liquid->stride,
-                            *restrict cz = cy + tension->liquid->stride;
-  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+  const PetscReal *restrict cx = at->liquid->near, *restrict cy = cx + at->liquid->stride,
+                            *restrict cz = cy + at->liquid->stride;
+  const PetscReal x0 = at->x[0], y0 = at->x[1], z0 = at->x[2];
   PetscReal       sum = 0, gx = 0, gy = 0, gz = 0, scale_w, scale_f, inverse_h2;
   float           s[ROOM];
   Neighbors       near;
 
-  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  AtScales(at, tension->dim, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = first; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
     PetscInt       l;
 
-    Distances(tension, begin, m, x, inverse_h2, s);
+    Distances(at, begin, m, inverse_h2, s);
     l = FindNeighbors(tension, begin, m, s, &near);
-    EvaluateNeighbors(tension, around, l, x, PETSC_TRUE, &near);
+    EvaluateNeighbors(tension, at, around, l, PETSC_TRUE, &near);
     SIMD_LOOP(reduction(+ : sum, gx, gy, gz))
     for (PetscInt k = 0; k < l; k++) {
       const PetscInt b = near.place[k];
@@ -174,27 +140,27 @@ static void SumPhase(Tension tension, const Around *around, PetscInt first, Pets
   gradient[2] += scale_f * gz;
 }
 
-/* phi and grad phi at the position x of particle a, from all collected candidates, without V. full: |grad phi| of a
+/* phi and grad phi at the particle, from all collected candidates, without V. full: |grad phi| of a
    particle near the surface. Images moved by less than the contact angle requires do not continue the surface straight.
    So their part of grad phi normal to the wall is corrected to that of a straight surface: by 1/residual_tan times
    their part along the wall. */
-static void SumMirrored(Tension tension, const Around *around, PetscInt a, const PetscReal x[DIM], PetscReal full,
-                        PetscReal *phi, PetscReal g[DIM])
+static void SumMirrored(Tension tension, const At *at, const Around *around, PetscReal full, PetscReal *phi,
+                        PetscReal g[DIM])
 {
   PetscReal of[2 * DIM + 1][DIM], turn[2 * DIM + 1], inward[2 * DIM + 1][DIM], outward[DIM];
 
   *phi = g[0] = g[1] = g[2] = 0;
-  SumPhase(tension, around, 0, around->real, x, phi, g);
+  SumPhase(tension, at, around, 0, around->real, phi, g);
   for (PetscInt d = 0; d < DIM; d++) outward[d] = -g[d];
-  ContactTilt(tension, around, a, x, outward, full);
+  ContactTilt(tension, at, around, outward, full);
   for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
-    SumPhase(tension, around, around->image[k].begin, around->image[k].end, x, phi, of[k]);
+    SumPhase(tension, at, around, around->image[k].begin, around->image[k].end, phi, of[k]);
     for (PetscInt d = 0; d < DIM; d++) g[d] += of[k][d];
   }
   for (PetscInt k = 0; k < around->images; k++) {
     ContactAngle    contact;
-    const PetscBool found = ContactOf(tension, &around->image[k], a, inward[k], &contact);
+    const PetscBool found = ContactOf(tension, at, &around->image[k], inward[k], &contact);
     PetscReal       flat[DIM], along, into = Dot(g, inward[k]);
 
     for (PetscInt d = 0; d < DIM; d++) flat[d] = g[d] - into * inward[k][d];
@@ -205,11 +171,11 @@ static void SumMirrored(Tension tension, const Around *around, PetscInt a, const
     for (PetscInt d = 0; d < DIM && turn[k] != 0; d++) g[d] -= turn[k] * inward[k][d];
 }
 
-/* Weighted sums over the collected normals that point to the same side as n at x. */
+/* Weighted sums over the collected normals that point to the same side as that of the particle. */
 typedef struct {
   PetscInt  kept;           /* neighbours */
   PetscReal count, w;       /* number of normals; sum of weights */
-  PetscReal x[DIM], n[DIM]; /* sums of positions relative to x; of normals */
+  PetscReal x[DIM], n[DIM]; /* sums of positions relative to the particle; of normals */
   PetscReal s;              /* depths */
   PetscReal xx[6];          /* of products of positions: xx yy zz xy xz yz */
   PetscReal nx[DIM][DIM];   /* of products of normals and positions */
@@ -217,14 +183,14 @@ typedef struct {
 
 /* weight, place: [around->n] of the out->kept neighbours whose normals point to the same side. The loop is long because
    all sums share it. */
-static void SumNormals(Tension tension, const Around *around, const PetscReal x[DIM], const PetscReal n[DIM],
+static void SumNormals(Tension tension, const At *at, const Around *around, const PetscReal n[DIM],
                        float *restrict weight, int32_t *restrict place, Moments *out)
 {
-  const PetscInt stride        = tension->liquid->stride;
-  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+  const PetscInt stride        = at->liquid->stride;
+  const PetscReal *restrict cx = at->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict nx = cz + stride, *restrict ny = nx + stride, *restrict nz = ny + stride,
                             *restrict depth = nz + stride;
-  const PetscReal same_side = SAME_SIDE, x0 = x[0], y0 = x[1], z0 = x[2], ax = n[0], ay = n[1], az = n[2];
+  const PetscReal same_side = SAME_SIDE, x0 = at->x[0], y0 = at->x[1], z0 = at->x[2], ax = n[0], ay = n[1], az = n[2];
   PetscReal       scale_w, scale_f, inverse_h2;
   float           s[ROOM];
   Neighbors       near;
@@ -233,18 +199,18 @@ static void SumNormals(Tension tension, const Around *around, const PetscReal x[
   PetscReal       xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
   PetscReal       qxx = 0, qxy = 0, qxz = 0, qyx = 0, qyy = 0, qyz = 0, qzx = 0, qzy = 0, qzz = 0;
 
-  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  AtScales(at, tension->dim, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < around->n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, around->n - begin);
     PetscInt       l;
 
-    Distances(tension, begin, m, x, inverse_h2, s);
+    Distances(at, begin, m, inverse_h2, s);
     SIMD_LOOP()
     for (PetscInt k = 0; k < m; k++)
       s[k] = ax * nx[begin + k] + ay * ny[begin + k] + az * nz[begin + k] > same_side ? s[k] : FLT_MAX;
     l = FindNeighbors(tension, begin, m, s, &near);
-    EvaluateNeighbors(tension, around, l, x, PETSC_FALSE, &near);
-    if (tension->rings) WeighMiddles(tension, l, x, &near);
+    EvaluateNeighbors(tension, at, around, l, PETSC_FALSE, &near);
+    if (tension->rings) WeighMiddles(tension, at, l, &near);
     /* clang-format off */
     SIMD_LOOP(reduction(+ : count, sw, sx, sy, sz, px, py, pz, ss, xx, yy, zz, xy, xz, yz) \
               reduction(+ : qxx, qxy, qxz, qyx, qyy, qyz, qzx, qzy, qzz))
@@ -320,7 +286,7 @@ static void PrepareFit(Tension tension, const Moments *m, NormalFit *fit)
 
 /* Carries the principal curvatures k1 and k2 (1/m) of a surface at 'depth' (m) to the parallel free surface; returns
    their sum. */
-static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth)
+static PetscReal CarryToSurface(PetscReal k1, PetscReal k2, PetscReal depth)
 {
   return k1 / PetscMax(1 + depth * k1, THINNEST) + k2 / PetscMax(1 + depth * k2, THINNEST);
 }
@@ -329,9 +295,9 @@ static PetscReal CarryToSurface(Tension tension, PetscReal k1, PetscReal k2, Pet
    surface below it. That surface lies at depth + c kappa (m), deeper where the free surface is more curved, so kappa is
    the root of kappa = CarryToSurface(depth + c kappa). The right side falls as kappa grows: there is one root, and
    Newton's method amplifies no rounding. (Without c kappa a thread of two spacings loses 4 % of its pressure.) */
-static PetscReal Together(Tension tension, PetscReal k1, PetscReal k2, PetscReal depth, PetscReal c, PetscReal limit)
+static PetscReal Together(PetscReal k1, PetscReal k2, PetscReal depth, PetscReal c, PetscReal limit)
 {
-  PetscReal kappa = PetscMax(-limit, PetscMin(limit, CarryToSurface(tension, k1, k2, depth)));
+  PetscReal kappa = PetscMax(-limit, PetscMin(limit, CarryToSurface(k1, k2, depth)));
 
   for (PetscInt round = 0; round < ROUNDS; round++) {
     const PetscReal s = depth + c * kappa, first = k1 / PetscMax(1 + s * k1, THINNEST),
@@ -351,13 +317,14 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
   return square > 0 ? (m->nx[0][0] + r * m->n[0]) / square : 0;
 }
 
-/* kappa (1/m) of the free surface from the sums around a particle at x (m) with normal n; at most that of a drop of one
-   spacing. loose: the ring counts as a row of drops. */
-static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *fit, const PetscReal x[DIM],
-                           const PetscReal n[DIM], PetscBool loose, PetscReal *deeper)
+/* kappa (1/m) of the free surface from the sums around a particle with normal n; at most that of a drop of one spacing.
+ */
+static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *m, const NormalFit *fit,
+                                  const PetscReal n[DIM], PetscReal *deeper)
 {
-  const PetscReal limit = (tension->rings ? 2 : tension->dim - 1) / (tension->size * tension->spacing);
-  const PetscReal c     = 0.5 * tension->moment / tension->plane * PetscSqr(tension->size);
+  const Curvature *data  = tension->data;
+  const PetscReal  limit = (tension->rings ? 2 : tension->dim - 1) / (at->size * tension->spacing);
+  const PetscReal  c     = 0.5 * data->moment / data->plane * PetscSqr(at->size);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
 
   *deeper = 0;
@@ -385,18 +352,18 @@ static PetscReal Curvature(Tension tension, const Moments *m, const NormalFit *f
   depth = m->s / m->w;
   if (tension->rings) { /* phi is a sum over the plane, so k2 does not lower it */
     k1 = trace;
-    k2 = loose ? 0 : HoopCurvature(m, x[0]);
+    k2 = LooseHas(tension, at->a) ? 0 : HoopCurvature(m, at->x[0]);
   }
-  *deeper = c * Together(tension, k1, tension->rings ? 0 : k2, depth, c, limit);
-  kappa   = CarryToSurface(tension, k1, k2, depth + *deeper);
+  *deeper = c * Together(k1, tension->rings ? 0 : k2, depth, c, limit);
+  kappa   = CarryToSurface(k1, k2, depth + *deeper);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
 /* The weighted mean of column 6 over the neighbours of a fit. */
-static PetscReal WeightedMean(Tension          tension, const float *restrict weight, const int32_t *restrict place,
+static PetscReal WeightedMean(const At        *at, const float *restrict weight, const int32_t *restrict place,
                               const NormalFit *fit)
 {
-  const PetscReal *restrict value = tension->liquid->near + 2 * DIM * tension->liquid->stride;
+  const PetscReal *restrict value = at->liquid->near + 2 * DIM * at->liquid->stride;
   PetscReal f                     = 0;
 
   SIMD_LOOP(reduction(+ : f))
@@ -404,15 +371,14 @@ static PetscReal WeightedMean(Tension          tension, const float *restrict we
   return f * fit->inverse_w;
 }
 
-/* The slope of column 6 along the surface with the normal n at x, where its mean is 'mean'. */
-static void WeightedSlope(Tension         tension, const float *restrict weight, const int32_t *restrict place,
-                          const PetscReal x[DIM], const PetscReal n[DIM], const NormalFit *fit, PetscReal mean,
-                          PetscReal slope[DIM])
+/* The slope of column 6 along the surface with the normal n at the particle, where its mean is 'mean'. */
+static void WeightedSlope(const At       *at, const float *restrict weight, const int32_t *restrict place,
+                          const PetscReal n[DIM], const NormalFit *fit, PetscReal mean, PetscReal slope[DIM])
 {
-  const PetscInt stride        = tension->liquid->stride;
-  const PetscReal *restrict cx = tension->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+  const PetscInt stride        = at->liquid->stride;
+  const PetscReal *restrict cx = at->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict value = cx + 2 * DIM * stride;
-  const PetscReal x0 = x[0], y0 = x[1], z0 = x[2];
+  const PetscReal x0 = at->x[0], y0 = at->x[1], z0 = at->x[2];
   PetscReal       along, fx = 0, fy = 0, fz = 0, f;
 
   slope[0] = slope[1] = slope[2] = 0;
@@ -432,57 +398,56 @@ static void WeightedSlope(Tension         tension, const float *restrict weight,
   for (PetscInt d = 0; d < DIM; d++) slope[d] -= along * n[d];
 }
 
-static inline PetscReal Sigma(Tension tension, Cloud cloud, PetscInt a)
+static inline PetscReal Sigma(Cloud cloud, const Phase *phase, PetscInt a)
 {
-  if (tension->phase) return tension->part;
+  if (phase) return phase->part;
   return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 }
 
 /* Column 6 holds the depth, then sigma kappa; DEPTH_COLUMN the depth for images that are moved (contact.c). */
-#define VALUE_COLUMN           (2 * DIM)
-#define COLUMNS_TOTAL(tension) ((tension)->tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
+#define VALUE_COLUMN        (2 * DIM)
+#define COLUMNS_TOTAL(data) ((data)->tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
    zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
    ([n_owned]): SheetShare. */
-static PetscErrorCode FindNormals(Tension tension, Cloud cloud, PetscInt level, PetscReal normal[], PetscReal depth[],
-                                  PetscReal slope[], PetscReal share[])
+static PetscErrorCode FindNormals(Tension tension, Cloud cloud, const Phase *phase, PetscInt level, PetscReal normal[],
+                                  PetscReal depth[], PetscReal slope[], PetscReal share[])
 {
-  SortedCells    *liquid = TensionLevel(tension, level);
-  const PetscReal V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
-  Around          around = {.cell = -1};
+  const Curvature *data = tension->data;
+  const PetscReal  V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
+  Around           around = {.cell = -1};
 
   PetscFunctionBegin;
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = liquid->index[p];
-    PetscReal      x[DIM], g[DIM], phi, length;
+  for (PetscInt p = 0; p < tension->liquid[level].count; p++) {
+    const At       at = TensionAt(tension, cloud, level, p);
+    const PetscInt a  = at.a;
+    PetscReal      g[DIM], phi, length;
 
-    if (!TensionOwns(cloud, level, a) || !tension->close[a]) continue;
-    SortedPosition(liquid, p, x);
-    tension->size = cloud->size[a];
-    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, DIM), DIM, &around));
-    SumMirrored(tension, &around, a, x, THRESHOLD / (V * H * tension->size), &phi, g);
+    if (!TensionOwns(tension, cloud, level, p) || !data->close[a]) continue;
+    PetscCall(ContactCollect(tension, cloud->domain, &at, COLUMNS(0, DIM), DIM, &around));
+    SumMirrored(tension, &at, &around, THRESHOLD / (V * H * at.size), &phi, g);
     length = Norm(g);
     if (slope) {
-      share[a] = SheetShare(tension, V * phi, V * length);
-      slope[a] = Sigma(tension, cloud, a) * SheetSlope(tension, V * phi) * share[a];
+      share[a] = SheetShare(tension, &at, V * phi, V * length);
+      slope[a] = Sigma(cloud, phase, a) * SheetSlope(tension, &at, V * phi) * share[a];
     }
     if (slope && tension->rings && !LooseHas(tension, a)) SheetHoop(tension, cloud, a, slope[a], V * phi);
-    if (V * length * H * tension->size < THRESHOLD) continue;
+    if (V * length * H * at.size < THRESHOLD) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
-    depth[a] = tension->size * FlatDepth(tension, V * phi);
+    depth[a] = at.size * FlatDepth(tension, V * phi);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Makes room for 'count' weights and places of neighbours. */
-static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
+static PetscErrorCode ReserveWeights(Curvature *data, PetscInt64 count)
 {
   PetscFunctionBegin;
-  if (count <= tension->weight_capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  tension->weight_capacity = 2 * count;
-  PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(*tension->weight), &tension->weight));
-  PetscCall(PetscRealloc((size_t)tension->weight_capacity * sizeof(*tension->place), &tension->place));
+  if (count <= data->weight_capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  data->weight_capacity = 2 * count;
+  PetscCall(PetscRealloc((size_t)data->weight_capacity * sizeof(*data->weight), &data->weight));
+  PetscCall(PetscRealloc((size_t)data->weight_capacity * sizeof(*data->place), &data->place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -490,31 +455,30 @@ static PetscErrorCode ReserveWeights(Tension tension, PetscInt64 count)
    their neighbours for TakeMean, behind 'used' earlier entries. The depth is in its column. share: see SheetShare.
    deeper: NULL, or the depths ([n_owned], m) of a flat surface, to which is added what the curvature makes them deeper.
  */
-static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
-                                    const PetscReal share[], PetscReal capillary[], PetscReal deeper[],
-                                    PetscInt64 *used)
+static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *phase, PetscInt level,
+                                    const PetscReal normal[], const PetscReal share[], PetscReal capillary[],
+                                    PetscReal deeper[], PetscInt64 *used)
 {
-  SortedCells *liquid = TensionLevel(tension, level);
-  NormalFit   *fit    = tension->fit[level];
-  Around       around = {.cell = -1};
+  Curvature *data   = tension->data;
+  NormalFit *fit    = data->fit[level];
+  Around     around = {.cell = -1};
 
   PetscFunctionBegin;
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = liquid->index[p];
-    PetscReal      x[DIM], more;
-    Moments        m;
+  for (PetscInt p = 0; p < tension->liquid[level].count; p++) {
+    const At         at = TensionAt(tension, cloud, level, p);
+    const PetscInt   a  = at.a;
+    const PetscReal *n  = normal + DIM * a;
+    PetscReal        more;
+    Moments          m;
 
-    if (!TensionOwns(cloud, level, a)) continue;
-    SortedPosition(liquid, p, x);
-    PetscCall(ContactCollect(tension, cloud->domain, p, x, COLUMNS(0, COLUMNS_TOTAL(tension)), COLUMNS_TOTAL(tension),
-                             &around));
-    PetscCall(ReserveWeights(tension, *used + around.n));
-    tension->size = cloud->size[a];
-    ContactTilt(tension, &around, a, x, normal + DIM * a, 1);
-    SumNormals(tension, &around, x, normal + DIM * a, tension->weight + *used, tension->place + *used, &m);
+    if (!TensionOwns(tension, cloud, level, p)) continue;
+    PetscCall(
+      ContactCollect(tension, cloud->domain, &at, COLUMNS(0, COLUMNS_TOTAL(data)), COLUMNS_TOTAL(data), &around));
+    PetscCall(ReserveWeights(data, *used + around.n));
+    ContactTilt(tension, &at, &around, n, 1);
+    SumNormals(tension, &at, &around, n, data->weight + *used, data->place + *used, &m);
     PrepareFit(tension, &m, &fit[p]);
-    capillary[a] =
-      Sigma(tension, cloud, a) * Curvature(tension, &m, &fit[p], x, normal + DIM * a, LooseHas(tension, a), &more);
+    capillary[a] = Sigma(cloud, phase, a) * SurfaceCurvature(tension, &at, &m, &fit[p], n, &more);
     if (deeper) deeper[a] += more;
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull has this force: see sheet.c */
     *used += m.kept;
@@ -526,27 +490,25 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, PetscInt level
 static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt level, const PetscReal normal[],
                                       const PetscReal value[], PetscReal mean[], PetscReal slope[], PetscInt64 *used)
 {
-  SortedCells   *liquid  = TensionLevel(tension, level);
-  const PetscInt columns = COLUMNS(VALUE_COLUMN, 1) | (slope ? COLUMNS(0, DIM) : 0);
-  Around         around  = {.cell = -1};
+  const Curvature *data    = tension->data;
+  const PetscInt   columns = COLUMNS(VALUE_COLUMN, 1) | (slope ? COLUMNS(0, DIM) : 0);
+  Around           around  = {.cell = -1};
 
   PetscFunctionBegin;
-  SortedCellsLoad(liquid, VALUE_COLUMN, 1, value);
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt   a      = liquid->index[p];
-    const NormalFit *fit    = &tension->fit[level][p];
-    const float     *weight = tension->weight + *used;
-    const int32_t   *place  = tension->place + *used;
-    PetscReal        x[DIM];
+  SortedCellsLoad(&tension->liquid[level], VALUE_COLUMN, 1, value);
+  for (PetscInt p = 0; p < tension->liquid[level].count; p++) {
+    const At         at     = TensionAt(tension, cloud, level, p);
+    const PetscInt   a      = at.a;
+    const NormalFit *fit    = &data->fit[level][p];
+    const float     *weight = data->weight + *used;
+    const int32_t   *place  = data->place + *used;
 
-    if (!TensionOwns(cloud, level, a)) continue;
-    SortedPosition(liquid, p, x);
-    PetscCall(ContactCollect(tension, cloud->domain, p, x, columns, COLUMNS_TOTAL(tension), &around));
-    mean[a] = WeightedMean(tension, weight, place, fit);
+    if (!TensionOwns(tension, cloud, level, p)) continue;
+    PetscCall(ContactCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
+    mean[a] = WeightedMean(&at, weight, place, fit);
     if (slope) {
-      tension->size = cloud->size[a]; /* of the walls that ContactTilt lets it see */
-      ContactTilt(tension, &around, a, x, normal + DIM * a, 1);
-      WeightedSlope(tension, weight, place, x, normal + DIM * a, fit, mean[a], slope + DIM * a);
+      ContactTilt(tension, &at, &around, normal + DIM * a, 1);
+      WeightedSlope(&at, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;
   }
@@ -572,18 +534,21 @@ static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal nor
    is 15 to 20 % too long. */
 static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal value[])
 {
-  PetscReal *mean = cloud->field[FIELD_CAPILLARY]; /* zero for owned particles without a normal, like the value */
+  const Curvature *data = tension->data;
+  PetscReal       *mean = cloud->field[FIELD_CAPILLARY]; /* zero for owned particles without a normal, like the value */
 
   PetscFunctionBegin;
   PetscCall(TakeMean(tension, cloud, normal, value, mean, NULL));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] += tension->sharpening * (value[a] - mean[a]);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] += data->sharpening * (value[a] - mean[a]);
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sorts the particles with a normal, ghosts too, and loads the columns of normal and depth. */
-static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
+static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const Phase *phase, const PetscReal normal[],
+                                  const PetscReal depth[])
 {
+  Curvature     *data = tension->data;
   unsigned char *keep;
 
   PetscFunctionBegin;
@@ -591,17 +556,17 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
   for (PetscInt a = 0; a < cloud->n_total; a++)
     keep[a] = cloud->integer[INT_LAYER][a] == 0 && Dot(normal + DIM * a, normal + DIM * a) > 0;
   for (PetscInt l = 0; l < tension->levels; l++) {
-    SortedCells *liquid = &tension->liquids[l];
+    SortedCells *liquid = &tension->liquid[l];
 
-    PetscCall(LiquidSort(tension, cloud, l, keep));
+    PetscCall(LiquidSort(tension, cloud, phase, l, keep));
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
-    if (tension->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
-    if (TensionHasLaw(tension)) SortedCellsLoad(liquid, LINE_COLUMN, 1, tension->line.of);
-    if (liquid->count > tension->fit_capacity[l]) {
-      tension->fit_capacity[l] = liquid->count + liquid->count / 4;
-      PetscCall(PetscFree(tension->fit[l]));
-      PetscCall(PetscMalloc1(tension->fit_capacity[l], &tension->fit[l]));
+    if (data->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
+    if (TensionHasLaw(tension)) SortedCellsLoad(liquid, LINE_COLUMN, 1, data->line.bend);
+    if (liquid->count > data->fit_capacity[l]) {
+      data->fit_capacity[l] = liquid->count + liquid->count / 4;
+      PetscCall(PetscFree(data->fit[l]));
+      PetscCall(PetscMalloc1(data->fit_capacity[l], &data->fit[l]));
     }
   }
   PetscCall(PetscFree(keep));
@@ -610,23 +575,25 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const PetscReal 
 
 /* Finds the normals of the particles near the surface, ghosts too; adds the forces of thin sheets. share: [n_owned]
    SheetShare. */
-static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscReal normal[], PetscReal depth[],
-                                           PetscReal share[])
+static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const Phase *phase, PetscReal normal[],
+                                           PetscReal depth[], PetscReal share[])
 {
-  PetscReal *slope = NULL;
+  const Curvature *data  = tension->data;
+  PetscReal       *slope = NULL;
 
   PetscFunctionBegin;
-  PetscCall(TensionSort(tension, cloud));
+  PetscCall(SortNearSurface(tension, cloud, phase));
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
   PetscCall(PetscArrayzero(share, cloud->n_owned));
-  if (tension->sheets) {
+  if (data->sheets) {
     PetscCall(CloudGetWork(cloud, 1, &slope));
     PetscCall(PetscArrayzero(slope, cloud->n_owned));
   }
-  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(FindNormals(tension, cloud, l, normal, depth, slope, share));
-  if (tension->sheets) {
-    PetscCall(SheetPull(tension, cloud, slope, share));
+  for (PetscInt l = 0; l < tension->levels; l++)
+    PetscCall(FindNormals(tension, cloud, phase, l, normal, depth, slope, share));
+  if (data->sheets) {
+    PetscCall(SheetPull(tension, cloud, phase, slope, share));
     PetscCall(CloudRestoreWork(cloud, &slope));
   }
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, normal));
@@ -634,38 +601,38 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+PetscErrorCode CurvatureSurface(Tension tension, Cloud cloud, const Phase *phase)
 {
-  PetscInt64 used = 0;                /* weights */
-  PetscReal *normal, *share, *scalar; /* the depth, then sigma kappa */
+  const Curvature *data = tension->data;
+  PetscInt64       used = 0;                /* weights */
+  PetscReal       *normal, *share, *scalar; /* the depth, then sigma kappa */
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
   PetscCall(ContactFindSolids(tension, cloud));
-  PetscCall(LineStart(tension, cloud));
-  PetscCall(FindNormalsAndSheets(tension, cloud, normal, scalar, share));
+  PetscCall(FindNormalsAndSheets(tension, cloud, phase, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
   PetscCall(LineFind(tension, cloud, normal));
-  PetscCall(SortNormals(tension, cloud, normal, scalar));
-  if (tension->tilted) { /* first the depths, to which the places of images belong */
+  PetscCall(SortNormals(tension, cloud, phase, normal, scalar));
+  if (data->tilted) { /* first the depths, to which the places of images belong */
     PetscReal *deeper;
 
     PetscCall(CloudGetWork(cloud, 1, &deeper));
     PetscCall(PetscArraycpy(deeper, scalar, cloud->n_owned));
     for (PetscInt l = 0; l < tension->levels; l++)
-      PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, deeper, &used));
+      PetscCall(FindCurvature(tension, cloud, phase, l, normal, share, scalar, deeper, &used));
     PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, deeper));
-    for (PetscInt l = 0; l < tension->levels; l++) SortedCellsLoad(&tension->liquids[l], DEPTH_COLUMN, 1, deeper);
+    for (PetscInt l = 0; l < tension->levels; l++) SortedCellsLoad(&tension->liquid[l], DEPTH_COLUMN, 1, deeper);
     PetscCall(CloudRestoreWork(cloud, &deeper));
     used = 0;
   }
   for (PetscInt l = 0; l < tension->levels; l++)
-    PetscCall(FindCurvature(tension, cloud, l, normal, share, scalar, NULL, &used));
+    PetscCall(FindCurvature(tension, cloud, phase, l, normal, share, scalar, NULL, &used));
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
-  if (tension->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal, scalar));
+  if (data->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal, scalar));
   PetscCall(
     TakeMean(tension, cloud, normal, scalar, cloud->field[FIELD_CAPILLARY], cloud->field[FIELD_CAPILLARY_SLOPE]));
   PetscCall(CloudRestoreWork(cloud, &scalar));
@@ -673,27 +640,3 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-static const OptionRow options[] = {
-  {"-tension_sheets", "Surface tension of sheets and threads too thin for a normal", NULL, NULL, ROW_BOOL,
-   offsetof(struct _p_Tension, sheets)},
-  {"-tension_sharpening", "Factor of the deconvolution that sharpens the curvature; 0: none", "1", "[0, 4]", ROW_REAL,
-   offsetof(struct _p_Tension, sharpening)},
-  {.name = NULL},
-};
-
-static PetscErrorCode ReadMore(Tension tension, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(LooseSetFromOptions(tension, PetscOptionsObject));
-  PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const TensionModel TensionCurvature = {
-  .choice     = {TENSION_CURVATURE, 0, options, NULL, CurvatureSetUp},
-  .more       = ReadMore,
-  .apply      = TensionApply_Curvature,
-  .step_limit = STEP_LIMIT,
-  .step_most  = STEP_MOST,
-};

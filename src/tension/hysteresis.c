@@ -10,7 +10,7 @@
    supports of W^H from the wall. The resistance must reach as far, or the liquid above rolls over the liquid at rest;
    it decreases linearly from the wall to there. (Acting on the first layer of particles alone it holds a drop up to a
    quarter of the right slope, within one support up to three quarters.) */
-#include "tension_impl.h"
+#include "curvature.h"
 
 #define REACH 1.5 /* in supports of W^H, see above; no reference */
 
@@ -38,8 +38,10 @@ static PetscReal Resist(Cloud cloud, PetscReal dt, PetscInt a, PetscReal reach, 
 
 PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work)
 {
+  const Curvature *data = CurvatureOf(tension);
+
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && tension->hysteresis; a++) {
+  for (PetscInt a = 0; a < cloud->n_fluid && data && data->hysteresis; a++) {
     const PetscReal reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
     LineWall        wall[WALLS_NEAR];
     PetscInt        n;
@@ -54,10 +56,14 @@ PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt
 
 PetscBool TensionHasHysteresis(Tension tension)
 {
-  return (PetscBool)(tension->active && tension->hysteresis);
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(tension->active && data && data->hysteresis);
 }
 
 PetscBool TensionHasAngles(Tension tension)
 {
-  return (PetscBool)(tension->tilted || tension->hysteresis);
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(data && (data->tilted || data->hysteresis));
 }

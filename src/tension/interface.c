@@ -10,15 +10,15 @@
    kappa_AB, with kappa_AB the curvature of both together. Sums over neighbours in different liquids use pressures less
    their jumps, and missing neighbours at a free surface have the pressure pressure_jump + s_G kappa_AB. A drop of
    constant curvature is then at rest exactly, like a drop of a single liquid. */
-#include "tension_impl.h"
+#include "curvature.h"
 
-/* Finds the bits of all particles, and which fluid particles are at the interface, ghosts too. */
-static PetscErrorCode FindLiquids(Tension tension, Cloud cloud)
+/* Finds the bits of all particles ([n_total]), and which fluid particles are at the interface, ghosts too. */
+static PetscErrorCode FindLiquids(Cloud cloud, unsigned char bits[])
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     if (cloud->integer[INT_LAYER][a] != 0) cloud->liquid[a] = -1; /* from the last step */
-    tension->phases[a] = (unsigned char)(cloud->liquid[a] < 0 ? 0 : 1 << cloud->liquid[a]);
+    bits[a] = (unsigned char)(cloud->liquid[a] < 0 ? 0 : 1 << cloud->liquid[a]);
   }
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->at_interface[a] = 0;
@@ -29,16 +29,13 @@ static PetscErrorCode FindLiquids(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One pass: the surface of the liquids with these bits. */
-static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscInt bits, PetscReal part, const PetscInt also[])
+/* One pass: the surface of a phase. */
+static PetscErrorCode Pass(Tension tension, Cloud cloud, Phase phase)
 {
   PetscFunctionBegin;
-  tension->phase = bits;
-  tension->part  = part;
-  tension->also  = also;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  PetscCall(tension->model->apply(tension, cloud));
+  PetscCall(CurvatureSurface(tension, cloud, &phase));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,25 +71,24 @@ static PetscErrorCode CompleteJumps(Cloud cloud, const PetscReal part[3])
 
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud)
 {
-  PetscReal *capillary = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE], part[3];
+  PetscReal     *capillary = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE], part[3];
+  unsigned char *bits;
 
   PetscFunctionBegin;
   SceneTensions(cloud->scene, part);
-  PetscCall(PetscMalloc1(cloud->n_total, &tension->phases));
-  PetscCall(FindLiquids(tension, cloud));
+  PetscCall(PetscMalloc1(cloud->n_total, &bits));
+  PetscCall(FindLiquids(cloud, bits));
   PetscCall(PetscArrayzero(cloud->pressure_jump, cloud->n_total));
   PetscCall(PetscArrayzero(cloud->pressure_jump_slope, DIM * cloud->n_total));
   for (PetscInt l = 0; l < 2; l++) {
-    PetscCall(Pass(tension, cloud, 1 << l, part[l], cloud->at_interface));
+    PetscCall(Pass(tension, cloud, (Phase){1 << l, bits, part[l], cloud->at_interface}));
     for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->pressure_jump[a] += capillary[a];
     for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) cloud->pressure_jump_slope[k] += slope[k];
   }
   PetscCall(CompleteJumps(cloud, part));
-  PetscCall(Pass(tension, cloud, 3, part[2], NULL));
+  PetscCall(Pass(tension, cloud, (Phase){3, bits, part[2], NULL}));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) capillary[a] += cloud->pressure_jump[a];
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) slope[k] += cloud->pressure_jump_slope[k];
-  tension->phase = 0;
-  tension->also  = NULL;
-  PetscCall(PetscFree(tension->phases));
+  PetscCall(PetscFree(bits));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

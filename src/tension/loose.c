@@ -3,7 +3,7 @@
    in 17 sqrt(rho a^3/sigma) from a smooth surface, in 7 from a rim as corrugated as a crown's, and it would contract in
    R sqrt(2 rho a/sigma). Drops have no pull towards the axis. So a slender piece keeps the curvature of its section,
    which holds it together, and loses the curvature around the axis. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 #define CONNECTION 1.5 /* spacings: a wider gap separates pieces */
 
@@ -27,7 +27,7 @@ static const OptionRow slender[] = {
   {"-tension_slender",
    "Radius of a ring in flight, over that of its section, above which it counts as a row of drops without a pull "
    "towards the axis; 0: no ring does",
-   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Tension, slender)},
+   "1", "[0, inf)", ROW_REAL, offsetof(Curvature, slender)},
   {.name = NULL},
 };
 
@@ -35,18 +35,19 @@ PetscErrorCode LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObje
 {
   PetscFunctionBegin;
   PetscCall(OptionsReadIf(PetscOptionsObject, tension->rings, "-dimension axisymmetric", slender,
-                          "TensionSetFromOptions", tension));
+                          "TensionSetFromOptions", tension->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LooseFind(Tension tension, Cloud cloud)
 {
+  Curvature *data = tension->data;
   PetscReal *least;
   PetscInt  *parent;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(LEAST_COUNT * cloud->n_total, &least, cloud->n_total, &parent));
-  PetscCall(PetscRealloc((size_t)cloud->n_owned * sizeof(*tension->loose), &tension->loose));
+  PetscCall(PetscRealloc((size_t)cloud->n_owned * sizeof(*data->loose), &data->loose));
   PetscCall(PetscArrayzero(least, LEAST_COUNT * cloud->n_total));
   OperatorsConnect(cloud, CONNECTION * tension->spacing, parent);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -64,7 +65,7 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
     const PetscReal *of = least + LEAST_COUNT * a, radius = 0.5 * (of[LEAST_R] - of[LEAST_MINUS_R]),
                     width = -0.5 * PetscMin(of[LEAST_R] + of[LEAST_MINUS_R], of[LEAST_Z] + of[LEAST_MINUS_Z]);
 
-    tension->loose[a] = (PetscBool)(of[LEAST_FREE] > 0 && radius > tension->slender * width);
+    data->loose[a] = (PetscBool)(of[LEAST_FREE] > 0 && radius > data->slender * width);
   }
   PetscCall(PetscFree2(least, parent));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -3,7 +3,7 @@
    grad_s sigma) dA is. A particle has the area 2 V |n| of the surface, n = sum V grad W, as for the pressure sigma
    kappa (gradient.c). */
 #include "../neighbors/pairs.h"
-#include "tension_impl.h"
+#include "curvature.h"
 
 #define INSIDE 0.1 /* h |n| due to disorder: up to this a particle has no surface */
 

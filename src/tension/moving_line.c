@@ -17,7 +17,7 @@
    and i of the wall, in the mean over surface particles near the wall and around. It follows with the period
    of a capillary wave one spacing long, sqrt(rho d0^3/sigma): otherwise angle and speed of viscous liquid would
    oscillate from step to step. A particle that arrives at the wall takes the capillary number of its neighbours. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 #define REACH 0.75 /* supports of W^H, distance from a wall to which particles tell the line's speed */
 #define ENDS  0.5  /* least part along the wall of the normal of a surface that ends there */
@@ -66,7 +66,7 @@ static const OptionRow slip[] = {
 
 PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  MovingLine     *line = &tension->line;
+  MovingLine     *line = &CurvatureOf(tension)->line;
   const PetscReal d    = ANGLE_MOST / LINE_TABLE;
 
   PetscFunctionBegin;
@@ -85,24 +85,33 @@ PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObjec
 
 const char *LineLaw(Tension tension)
 {
-  return Laws[tension->line.law];
+  const Curvature *data = CurvatureOf(tension);
+
+  return Laws[data ? data->line.law : LAW_STATIC];
 }
 
 PetscBool TensionHasLaw(Tension tension)
 {
-  return (PetscBool)(tension->line.law != LAW_STATIC);
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(data && data->line.law != LAW_STATIC);
 }
 
-PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal capillary)
+PetscReal LineBend(Tension tension, PetscReal size, PetscReal capillary)
 {
-  const MovingLine *line  = &tension->line;
-  const PetscReal   place = PetscMin(at_rest / ANGLE_MOST, 1) * LINE_TABLE,
-                  factor  = line->law == LAW_KISTLER
-                              ? 1
-                              : PetscMax(0, PetscLogReal(tension->size * tension->spacing / line->slip));
-  const PetscInt  k       = PetscMin((PetscInt)place, LINE_TABLE - 1);
-  const PetscReal x       = line->x[k] + (place - k) * (line->x[k + 1] - line->x[k]) + capillary * factor;
-  PetscInt        low = 0, high = LINE_TABLE;
+  const MovingLine *line = &CurvatureOf(tension)->line;
+
+  if (capillary == 0 || line->law == LAW_KISTLER) return capillary;
+  return capillary * PetscMax(0, PetscLogReal(size * tension->spacing / line->slip));
+}
+
+PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal bend)
+{
+  const MovingLine *line  = &CurvatureOf(tension)->line;
+  const PetscReal   place = PetscMin(at_rest / ANGLE_MOST, 1) * LINE_TABLE;
+  const PetscInt    k     = PetscMin((PetscInt)place, LINE_TABLE - 1);
+  const PetscReal   x     = line->x[k] + (place - k) * (line->x[k + 1] - line->x[k]) + bend;
+  PetscInt          low = 0, high = LINE_TABLE;
 
   while (high - low > 1) {
     const PetscInt middle = (low + high) / 2;
@@ -119,9 +128,14 @@ PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal capillary)
 
 PetscErrorCode LineStart(Tension tension, Cloud cloud)
 {
+  MovingLine *line = &CurvatureOf(tension)->line;
+
   PetscFunctionBegin;
-  tension->line.of = cloud->field[FIELD_LINE];
-  if (TensionHasLaw(tension)) PetscCall(CloudUpdate(cloud, FIELD_LINE));
+  if (line->law == LAW_STATIC) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudUpdate(cloud, FIELD_LINE));
+  PetscCall(PetscRealloc(PetscMax(1, cloud->n_total) * sizeof(PetscReal), &line->bend));
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    line->bend[a] = LineBend(tension, cloud->size[a], cloud->field[FIELD_LINE][a]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,12 +213,13 @@ static void MeanAround(Tension tension, Cloud cloud, PetscInt a, const PetscReal
 
 PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
 {
-  MovingLine      *line   = &tension->line;
+  Curvature       *data   = tension->data;
+  MovingLine      *line   = &data->line;
   const PetscReal *stored = cloud->field[FIELD_LINE];
   PetscReal       *told, *weight;
 
   PetscFunctionBegin;
-  if ((!tension->walls && !tension->solid.count) || (!TensionHasLaw(tension) && line->fastest >= TENSION_FAST_LINE))
+  if ((!data->walls && !data->solid.count) || (!TensionHasLaw(tension) && line->fastest >= TENSION_FAST_LINE))
     PetscFunctionReturn(PETSC_SUCCESS);
   line->fastest = 0;
   PetscCall(CloudGetWork(cloud, 1, &told));
@@ -233,12 +248,14 @@ PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
 
 PetscReal TensionFastestLine(Tension tension)
 {
-  return tension->line.fastest;
+  const Curvature *data = CurvatureOf(tension);
+
+  return data ? data->line.fastest : 0;
 }
 
 void TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt)
 {
-  const MovingLine *line = &tension->line;
+  const MovingLine *line = &CurvatureOf(tension)->line;
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Material *m     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));

@@ -1,8 +1,9 @@
 /* The search for walls near a contact line. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR])
 {
+  const Curvature *data   = tension->data;
   const Domain     domain = cloud->domain;
   const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * a;
   PetscInt         n = 0, near = 0;
@@ -13,7 +14,7 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     const PetscReal y = PetscAbsReal(x[d] - (side ? domain->upper : domain->lower)[d]);
 
     if (domain->face[d][side] != FACE_WALL || y >= reach) continue;
-    wall[n].contact  = &tension->contact[d][side];
+    wall[n].contact  = &data->contact[d][side];
     wall[n].distance = y;
     for (PetscInt e = 0; e < DIM; e++) {
       wall[n].inward[e]   = e != d ? 0 : side ? -1 : 1;
@@ -21,10 +22,10 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     }
     n++;
   }
-  if (!tension->solid.count) return n;
+  if (!data->solid.count) return n;
   s = SceneSolidDistance(cloud->scene, x, &near);
-  if (s >= reach || tension->solid.angle[near].angle <= 0) return n;
-  wall[n].contact  = &tension->solid.angle[near];
+  if (s >= reach || data->solid.angle[near].angle <= 0) return n;
+  wall[n].contact  = &data->solid.angle[near];
   wall[n].distance = s;
   SceneSolidNormal(cloud->scene, x, wall[n].inward);
   SceneSolidVelocity(cloud->scene, near, x, wall[n].velocity);

@@ -41,7 +41,7 @@
    pair: repulsion along the line between two particles would push particles out that have left the plane, and a row of
    particles would zigzag and break within a millisecond. Momentum is conserved exactly, angular momentum in a flat
    sheet. */
-#include "tension_impl.h"
+#include "curvature.h"
 
 /* No references: chosen for this model. */
 #define THICKNESS_SPRAY 0.41 /* in spacings; a thinner sheet would have more surface than its particles as spheres */
@@ -57,56 +57,58 @@ static PetscReal Ramp(PetscReal none, PetscReal all, PetscReal x)
   return PetscMin(1, PetscMax(0, (x - none) / (all - none)));
 }
 
-PetscReal SheetShare(Tension tension, PetscReal phi, PetscReal gradient)
+PetscReal SheetShare(Tension tension, const At *at, PetscReal phi, PetscReal gradient)
 {
-  const PetscReal place = PetscMin(tension->size * gradient / tension->plane, 1) * WALL_TABLE;
-  const PetscInt  k     = PetscMin((PetscInt)place, WALL_TABLE - 1);
-  const PetscReal flat  = tension->fraction[k] + (place - k) * (tension->fraction[k + 1] - tension->fraction[k]),
-                  t     = Ramp(LACK_NONE, LACK_ALL, flat - phi);
+  const Curvature *data  = tension->data;
+  const PetscReal  place = PetscMin(at->size * gradient / data->plane, 1) * WALL_TABLE;
+  const PetscInt   k     = PetscMin((PetscInt)place, WALL_TABLE - 1);
+  const PetscReal  flat  = data->fraction[k] + (place - k) * (data->fraction[k + 1] - data->fraction[k]),
+                  t      = Ramp(LACK_NONE, LACK_ALL, flat - phi);
 
   return t * t * (3 - 2 * t);
 }
 
-PetscReal SheetSlope(Tension tension, PetscReal phi)
+PetscReal SheetSlope(Tension tension, const At *at, PetscReal phi)
 {
-  const PetscReal low = PetscMax(phi, THICKNESS_SPRAY * tension->plane * tension->spacing),
-                  V_0 = PetscPowRealInt(tension->spacing, (int)tension->dim);
+  const Curvature *data = tension->data;
+  const PetscReal  low  = PetscMax(phi, THICKNESS_SPRAY * data->plane * tension->spacing),
+                  V_0   = PetscPowRealInt(tension->spacing, (int)tension->dim);
 
-  return -2 * V_0 * tension->plane / (tension->size * low * low);
+  return -2 * V_0 * data->plane / (at->size * low * low);
 }
 
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi)
 {
-  const Domain    domain = cloud->domain;
-  const PetscReal V = domain->volume, self = V * KernelSelf(tension->kernel),
-                  others = (phi - cloud->relative_weight[a] * self) / (tension->plane * tension->spacing - self),
+  const Curvature *data   = tension->data;
+  const Domain     domain = cloud->domain;
+  const PetscReal  V = domain->volume, self = V * KernelSelf(tension->kernel),
+                  others = (phi - cloud->relative_weight[a] * self) / (data->plane * tension->spacing - self),
                   r      = cloud->length[a] / (2 * PETSC_PI);
 
   cloud->field[FIELD_ACCELERATION][DIM * a] +=
     slope * phi / (V * cloud->rest_density[a] * r) * PetscMax(0, PetscMin(1, others));
 }
 
-/* The second moments M = sum W r (x) r of the n collected neighbours of the particle at place p. */
-static void SecondMoments(Tension tension, PetscInt p, PetscInt n, PetscReal M[6])
+/* The second moments M = sum W r (x) r of the n collected neighbours of the particle. */
+static void SecondMoments(Tension tension, const At *at, PetscInt n, PetscReal M[6])
 {
-  const SortedCells *liquid    = tension->liquid;
+  const SortedCells *liquid    = at->liquid;
   const PetscReal *restrict cx = liquid->near, *restrict cy = cx + liquid->stride, *restrict cz = cy + liquid->stride;
   const PetscReal *volume = liquid->near + WEIGHT_COLUMN * liquid->stride;
-  PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, x[DIM], w[CHUNK], scale_w, scale_f, inverse_h2;
+  PetscReal        xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, w[CHUNK], scale_w, scale_f, inverse_h2;
   float            s[CHUNK], W[CHUNK];
 
-  SortedPosition(liquid, p, x);
-  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  AtScales(at, tension->dim, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    Distances(tension, begin, m, x, inverse_h2, s);
+    Distances(at, begin, m, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, W, NULL);
     /* weights stay double: those of rings differ by rounding between ranks, and the moments of a sheet are singular */
     for (PetscInt k = 0; k < m; k++) w[k] = tension->weighted ? W[k] * volume[begin + k] : W[k];
     SIMD_LOOP(reduction(+ : xx, yy, zz, xy, xz, yz))
     for (PetscInt k = 0; k < m; k++) {
-      const PetscReal dx = cx[begin + k] - x[0], dy = cy[begin + k] - x[1], dz = cz[begin + k] - x[2];
+      const PetscReal dx = cx[begin + k] - at->x[0], dy = cy[begin + k] - at->x[1], dz = cz[begin + k] - at->x[2];
 
       xx += w[k] * dx * dx;
       yy += w[k] * dy * dy;
@@ -168,31 +170,32 @@ static void PullPair(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[D
   }
 }
 
-/* Adds the pull of the thin particle at place p on all n collected candidates, and their reactions. slope: sigma S'; P:
+/* Adds the pull of a thin particle on all n collected candidates, and their reactions. slope: sigma S'; P:
    see SheetPlane. Column 3 has the local indices. */
-static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal slope, const PetscReal P[6])
+static void Pull(Tension tension, Cloud cloud, const At *at, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
-  const SortedCells *liquid = tension->liquid;
-  const PetscInt     b      = liquid->index[p];
-  PetscReal *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, x[DIM], scale_w, scale_f, core_f, inverse_h2,
+  const Curvature   *data   = tension->data;
+  const SortedCells *liquid = at->liquid;
+  const PetscInt     b      = at->a;
+  PetscReal         *out = cloud->field[FIELD_ACCELERATION], sum[DIM] = {0, 0, 0}, scale_w, scale_f, core_f, inverse_h2,
             core_h2;
   float s[CHUNK], F[CHUNK], core[CHUNK];
 
-  SortedPosition(liquid, p, x);
-  TensionScales(tension, tension->core, &scale_w, &core_f, &core_h2);
-  TensionScales(tension, tension->kernel, &scale_w, &scale_f, &inverse_h2);
+  AtScales(at, tension->dim, data->core, &scale_w, &core_f, &core_h2);
+  AtScales(at, tension->dim, tension->kernel, &scale_w, &scale_f, &inverse_h2);
   for (PetscInt begin = 0; begin < n; begin += CHUNK) {
     const PetscInt m = PetscMin(CHUNK, n - begin);
 
-    Distances(tension, begin, m, x, core_h2, s);
-    KernelSingle(tension->core, m, s, NULL, core);
-    Distances(tension, begin, m, x, inverse_h2, s);
+    Distances(at, begin, m, core_h2, s);
+    KernelSingle(data->core, m, s, NULL, core);
+    Distances(at, begin, m, inverse_h2, s);
     KernelSingle(tension->kernel, m, s, NULL, F);
     for (PetscInt k = 0; k < m; k++) {
       const PetscReal *near = liquid->near + begin + k;
       const PetscInt   a    = (PetscInt)near[DIM * liquid->stride];
       const PetscReal  f = slope * scale_f * F[k], spread = f - slope * SHEET_CORE * core_f * core[k],
-                      d[DIM] = {near[0] - x[0], near[liquid->stride] - x[1], near[2 * liquid->stride] - x[2]};
+                      d[DIM] = {near[0] - at->x[0], near[liquid->stride] - at->x[1],
+                                near[2 * liquid->stride] - at->x[2]};
       PetscReal pull[DIM];
 
       if (F[k] == 0) continue;
@@ -209,22 +212,22 @@ static void Pull(Tension tension, Cloud cloud, PetscInt p, PetscInt n, PetscReal
 static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, PetscReal slope[], PetscReal share[],
                                  PetscReal plane[])
 {
-  SortedCells   *liquid  = TensionLevel(tension, level);
+  SortedCells   *liquid  = &tension->liquid[level];
   const PetscInt columns = COLUMNS(0, DIM) | (tension->weighted ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
   PetscInt       cell = -1, n = 0;
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = liquid->index[p];
+    const At       at = TensionAt(tension, cloud, level, p);
+    const PetscInt a  = at.a;
     PetscReal      M[6], flatness;
 
-    if (!TensionOwns(cloud, level, a) || slope[a] == 0) continue;
+    if (!TensionOwns(tension, cloud, level, p) || slope[a] == 0) continue;
     if (SortedCell(liquid, p) != cell) {
       cell = SortedCell(liquid, p);
       PetscCall(SortedCellsCollect(liquid, cell, columns, 1, &n));
     }
-    tension->size = cloud->size[a];
-    SecondMoments(tension, p, n, M);
+    SecondMoments(tension, &at, n, M);
     flatness = Flatness(tension->dim, M);
     slope[a] *= flatness;
     share[a] *= flatness;
@@ -234,7 +237,8 @@ static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, P
 }
 
 /* Sorts the liquid around the thin particles of a level, ghosts too. *count: their number. */
-static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[], PetscInt *count)
+static PetscErrorCode SortThin(Tension tension, Cloud cloud, const Phase *phase, PetscInt level,
+                               const PetscReal slope[], PetscInt *count)
 {
   PetscInt      *thin;
   unsigned char *keep;
@@ -245,37 +249,37 @@ static PetscErrorCode SortThin(Tension tension, Cloud cloud, PetscInt level, con
   for (PetscInt a = 0; a < cloud->n_total; a++)
     if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && CloudLevel(cloud, a) == level) thin[(*count)++] = a;
   PetscCall(LiquidAround(cloud, tension->largest[level] * KernelSupport(tension->kernel), *count, thin, keep));
-  PetscCall(LiquidSort(tension, cloud, level, keep));
+  PetscCall(LiquidSort(tension, cloud, phase, level, keep));
   PetscCall(PetscFree2(thin, keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the forces between the thin particles of a level, ghosts too, and all others. */
-static PetscErrorCode PullAll(Tension tension, Cloud cloud, PetscInt level, const PetscReal slope[],
+static PetscErrorCode PullAll(Tension tension, Cloud cloud, const Phase *phase, PetscInt level, const PetscReal slope[],
                               const PetscReal plane[])
 {
-  SortedCells *liquid = TensionLevel(tension, level);
+  SortedCells *liquid = &tension->liquid[level];
   PetscInt     cell = -1, n = 0, thin = 0;
 
   PetscFunctionBegin;
-  PetscCall(SortThin(tension, cloud, level, slope, &thin));
+  PetscCall(SortThin(tension, cloud, phase, level, slope, &thin));
   if (thin == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt p = 0; p < liquid->count; p++) liquid->sorted[DIM * liquid->count + p] = (PetscReal)liquid->index[p];
   for (PetscInt p = 0; p < liquid->count; p++) {
-    const PetscInt a = liquid->index[p];
+    const At       at = TensionAt(tension, cloud, level, p);
+    const PetscInt a  = at.a;
 
     if (CloudLevel(cloud, a) != level || slope[a] == 0) continue;
     if (SortedCell(liquid, p) != cell) {
       cell = SortedCell(liquid, p);
       PetscCall(SortedCellsCollect(liquid, cell, COLUMNS(0, DIM + 1), 1, &n));
     }
-    tension->size = cloud->size[a];
-    Pull(tension, cloud, p, n, slope[a], plane + 6 * a);
+    Pull(tension, cloud, &at, n, slope[a], plane + 6 * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscReal share[])
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal share[])
 {
   PetscReal *plane;
 
@@ -284,7 +288,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, PetscReal slope[], PetscR
   for (PetscInt l = 0; l < tension->levels; l++) PetscCall(FindPlanes(tension, cloud, l, slope, share, plane));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, plane));
-  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(PullAll(tension, cloud, l, slope, plane));
+  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(PullAll(tension, cloud, phase, l, slope, plane));
   PetscCall(CloudRestoreWork(cloud, &plane));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

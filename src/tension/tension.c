@@ -1,7 +1,5 @@
 /* The class Tension: the registered models, their common options and tables. */
-#include "tension_impl.h"
-
-#define SLENDER 5 /* default of -tension_slender: see loose.c */
+#include "curvature.h"
 
 static const TensionModel None = {.choice     = {.name = TENSION_NONE},
                                   .step_limit = STEP_LIMIT_PLAIN,
@@ -15,32 +13,33 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&t));
-  t->comm        = domain->comm;
-  t->dim         = domain->dim;
-  t->rings       = domain->rings;
-  t->slender     = SLENDER;
-  t->weighted    = (PetscBool)(domain->rings || domain->graded);
-  t->size        = 1;
-  t->liquid      = t->liquids;
-  t->size_most   = DomainSizeMax(domain);
-  t->spacing     = domain->spacing;
-  t->active      = SceneHasTension(scene);
-  t->interface   = (PetscBool)(SceneInterfaceTension(scene) > 0);
-  t->ratio       = 1.75;
-  t->calibration = 3.959;
-  t->band        = 1;
-  t->sharpening  = 2;
-  t->sheets      = PETSC_TRUE;
+  t->comm      = domain->comm;
+  t->scene     = scene;
+  t->dim       = domain->dim;
+  t->rings     = domain->rings;
+  t->weighted  = (PetscBool)(domain->rings || domain->graded);
+  t->size_most = DomainSizeMax(domain);
+  t->spacing   = domain->spacing;
+  t->active    = SceneHasTension(scene);
+  t->interface = (PetscBool)(SceneInterfaceTension(scene) > 0);
+  t->ratio     = 1.75;
+  for (PetscInt f = 0; f < 2 * DIM; f++) t->face[f / 2][f % 2] = domain->face[f / 2][f % 2];
   do {
     t->largest[t->levels] = PetscMin(t->size_most, CloudLevelSize(t->levels));
   } while (t->largest[t->levels++] < t->size_most && t->levels < SIZE_LEVELS);
-  PetscCall(ContactCreate(t, domain, scene));
   PetscCall(PetscStrncpy(t->type, TENSION_CURVATURE, sizeof(t->type)));
-  t->model = &TensionCurvature;
   PetscCall(KernelCreate(domain->comm, domain->dim, &t->kernel));
-  PetscCall(KernelCreate(domain->comm, domain->dim, &t->core));
   t->smoothing = KernelSmoothingLength(kernel);
   *tension     = t;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Frees the data of the model. */
+static PetscErrorCode ForgetModel(Tension tension)
+{
+  PetscFunctionBegin;
+  if (tension->model && tension->model->destroy) PetscCall(tension->model->destroy(tension));
+  PetscCall(PetscFree(tension->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,11 +50,14 @@ static PetscErrorCode ReadModel(void *object, const Choice *choice)
   char    title[128];
 
   PetscFunctionBegin;
+  PetscCall(ForgetModel(tension));
   tension->model = (const TensionModel *)choice;
+  PetscCall(PetscCalloc(choice->size, &tension->data));
+  if (choice->defaults) choice->defaults(tension);
   if (!choice->options) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", choice->name));
   PetscOptionsBegin(tension->comm, NULL, title, "Tension");
-  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "TensionSetFromOptions", tension));
+  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "TensionSetFromOptions", tension->data));
   if (tension->model->more) PetscCall(tension->model->more(tension, PetscOptionsObject));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -81,7 +83,6 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   PetscCall(ChoicesRead(Models, "-tension_type", NULL, choice, OptionsAll(), ReadModel, tension));
   if (!tension->model->apply) tension->active = PETSC_FALSE;
   PetscCall(KernelSetSmoothingLength(tension->kernel, tension->ratio * tension->smoothing));
-  PetscCall(KernelSetSmoothingLength(tension->core, SHEET_CORE * tension->ratio * tension->smoothing));
   if (tension->active && choice->setup) PetscCall(choice->setup(tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,7 +95,7 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most)
 
 PetscBool TensionOnSurface(Tension tension)
 {
-  return (PetscBool)(tension->active && !tension->interface && !strcmp(tension->type, TENSION_CURVATURE));
+  return (PetscBool)(tension->active && !tension->interface && tension->model->on_surface);
 }
 
 PetscReal TensionReach(Tension tension)
@@ -110,9 +111,7 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE */
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
-  if (tension->rings && tension->slender > 0) PetscCall(LooseFind(tension, cloud));
-  PetscCall(tension->interface ? InterfaceApply(tension, cloud) : tension->model->apply(tension, cloud));
-  if (TensionOnSurface(tension)) MarangoniAdd(cloud);
+  PetscCall(tension->model->apply(tension, cloud));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,20 +142,8 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscFunctionBegin;
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
-  PetscCall(KernelDestroy(&(*tension)->core));
-  PetscCall(ContactDestroy(*tension));
-  PetscCall(CellMaskDestroy(&(*tension)->near));
-  PetscCall(PetscFree((*tension)->weight));
-  PetscCall(PetscFree((*tension)->place));
-  PetscCall(PetscFree((*tension)->loose));
-  PetscCall(PetscFree((*tension)->close));
-  PetscCall(PetscFree((*tension)->line.wanted));
-  PetscCall(PetscFree((*tension)->line.start));
-  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
-    PetscCall(SortedCellsReset(&(*tension)->liquids[l]));
-    PetscCall(SortedCellsReset(&(*tension)->surface[l]));
-    PetscCall(PetscFree((*tension)->fit[l]));
-  }
+  PetscCall(ForgetModel(*tension));
+  for (PetscInt l = 0; l < SIZE_LEVELS; l++) PetscCall(SortedCellsReset(&(*tension)->liquid[l]));
   PetscCall(PetscFree(*tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

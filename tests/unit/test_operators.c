@@ -35,7 +35,7 @@ static PetscInt Block(PetscInt nx, PetscInt ny, PetscInt nz, PetscReal jitter, c
 }
 
 /* A field of the particle nearest to a point, over all ranks; which: 0 lambda, 1 density/rest, 2 flag. */
-static PetscReal At(Setup *s, PetscReal x, PetscReal y, PetscReal z, PetscInt which)
+static PetscReal PlaceAt(Setup *s, PetscReal x, PetscReal y, PetscReal z, PetscInt which)
 {
   const PetscReal p[DIM]  = {x, y, z};
   PetscReal       nearest = PETSC_MAX_REAL, value = 0, all;
@@ -87,53 +87,53 @@ static PetscErrorCode TestLatticeTable(void)
 
   PetscFunctionBegin;
   PetscCall(MakeBlock(OPEN, 9, 9, 9, NULL, &s));
-  CHECK_CLOSE(At(&s, 0, 0, 0, 0), 0.993, 6e-4, "lambda_inside");
-  CHECK_CLOSE(At(&s, 0, 0, 0, 1), 0.9973, 6e-5, "density_inside");
-  CHECK_CLOSE(At(&s, 0, 0, 4, 0), 0.497, 6e-4, "lambda_top");
-  CHECK_CLOSE(At(&s, 0, 0, 3, 0), 0.904, 6e-4, "lambda_second");
-  CHECK_CLOSE(At(&s, 0, 4, 4, 0), 0.276, 6e-4, "lambda_edge");
-  CHECK_CLOSE(At(&s, -4, 4, 4, 0), 0.212, 6e-4, "lambda_corner");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 0), 0.993, 6e-4, "lambda_inside");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 1), 0.9973, 6e-5, "density_inside");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 4, 0), 0.497, 6e-4, "lambda_top");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 3, 0), 0.904, 6e-4, "lambda_second");
+  CHECK_CLOSE(PlaceAt(&s, 0, 4, 4, 0), 0.276, 6e-4, "lambda_edge");
+  CHECK_CLOSE(PlaceAt(&s, -4, 4, 4, 0), 0.212, 6e-4, "lambda_corner");
   PetscCall(SetupClose(&s));
   PetscCall(MakeBlock(OPEN, 9, 9, 9, center, &s));
-  CHECK_CLOSE(At(&s, 1, 0, 0, 0), 0.885, 6e-4, "lambda_vacancy");
-  CHECK_CLOSE(At(&s, 1, 0, 0, 2), 0, 0, "flag_vacancy");
+  CHECK_CLOSE(PlaceAt(&s, 1, 0, 0, 0), 0.885, 6e-4, "lambda_vacancy");
+  CHECK_CLOSE(PlaceAt(&s, 1, 0, 0, 2), 0, 0, "flag_vacancy");
   PetscCall(SetupClose(&s));
   PetscCall(MakeBlock(OPEN, 2, 2, 2, NULL, &s));
-  CHECK_CLOSE(At(&s, 0.5, 0.5, 0.5, 0), 0.158, 6e-4, "lambda_2x2x2");
-  CHECK_CLOSE(At(&s, 0.5, 0.5, 0.5, 2), 1, 0, "flag_2x2x2");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 0.5, 0.5, 0), 0.158, 6e-4, "lambda_2x2x2");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 0.5, 0.5, 2), 1, 0, "flag_2x2x2");
   PetscCall(SetupClose(&s));
   PetscCall(MakeBlock(OPEN, 3, 3, 3, NULL, &s));
-  CHECK_CLOSE(At(&s, 0, 0, 0, 0), 0.783, 6e-4, "lambda_3x3x3_center");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 0), 0.783, 6e-4, "lambda_3x3x3_center");
   PetscCall(SetupClose(&s));
   PetscCall(MakeBlock(OPEN, 1, 1, 1, NULL, &s));
-  CHECK_CLOSE(At(&s, 0, 0, 0, 0), 0, 0, "lambda_alone");
-  CHECK_CLOSE(At(&s, 0, 0, 0, 2), 1, 0, "flag_alone");
-  CHECK_CLOSE(At(&s, 0, 0, 0, 1), 1 / (PETSC_PI * 1.3 * 1.3 * 1.3), 1e-14, "density_alone");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 0), 0, 0, "lambda_alone");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 2), 1, 0, "flag_alone");
+  CHECK_CLOSE(PlaceAt(&s, 0, 0, 0, 1), 1 / (PETSC_PI * 1.3 * 1.3 * 1.3), 1e-14, "density_alone");
   PetscCall(SetupClose(&s));
   PetscCall(MakeBlock(OPEN, 2, 1, 1, NULL, &s));
-  CHECK_CLOSE(At(&s, 0.5, 0, 0, 0), 0, 1e-8, "lambda_pair");
-  CHECK_CLOSE(At(&s, 0.5, 0, 0, 2), 1, 0, "flag_pair");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 0, 0, 0), 0, 1e-8, "lambda_pair");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 0, 0, 2), 1, 0, "flag_pair");
   PetscCall(SetupClose(&s));
   PetscCall(MakeFilm(1, &s));
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 0, 0), 0, 1e-14, "lambda_monolayer");
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 0, 2), 1, 0, "flag_monolayer");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 0, 0), 0, 1e-14, "lambda_monolayer");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 0, 2), 1, 0, "flag_monolayer");
   PetscCall(SetupClose(&s));
   PetscCall(MakeFilm(2, &s));
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 0.5, 0), 0.407, 6e-4, "lambda_bilayer");
-  CHECK_CLOSE(At(&s, 0.5, 9.5, -0.5, 2), 1, 0, "flag_bilayer");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 0.5, 0), 0.407, 6e-4, "lambda_bilayer");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 9.5, -0.5, 2), 1, 0, "flag_bilayer");
   PetscCall(SetupClose(&s));
   PetscCall(MakeFilm(3, &s));
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 0, 0), 0.814, 6e-4, "lambda_trilayer_mid");
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 0, 2), 2, 0, "flag_trilayer_mid_is_near");
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 1, 2), 1, 0, "flag_trilayer_top");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 0, 0), 0.814, 6e-4, "lambda_trilayer_mid");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 0, 2), 2, 0, "flag_trilayer_mid_is_near");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 1, 2), 1, 0, "flag_trilayer_top");
   PetscCall(SetupClose(&s));
   PetscCall(MakeFilm(7, &s));
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 3, 1), 0.768, 6e-4, "density_top");
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 2, 1), 0.990, 6e-4, "density_second");
-  CHECK_CLOSE(At(&s, 5.5, 5.5, 1, 1), 0.997, 6e-4, "density_third");
-  CHECK_CLOSE(At(&s, 0.5, 5.5, 3, 0), 0.497, 6e-4, "lambda_top_at_periodic_face");
-  CHECK_CLOSE(At(&s, 0.5, 5.5, 2, 2), 2, 0, "flag_second_is_near");
-  CHECK_CLOSE(At(&s, 0.5, 5.5, 0, 2), 0, 0, "flag_film_inside");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 3, 1), 0.768, 6e-4, "density_top");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 2, 1), 0.990, 6e-4, "density_second");
+  CHECK_CLOSE(PlaceAt(&s, 5.5, 5.5, 1, 1), 0.997, 6e-4, "density_third");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 5.5, 3, 0), 0.497, 6e-4, "lambda_top_at_periodic_face");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 5.5, 2, 2), 2, 0, "flag_second_is_near");
+  CHECK_CLOSE(PlaceAt(&s, 0.5, 5.5, 0, 2), 0, 0, "flag_film_inside");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

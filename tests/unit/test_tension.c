@@ -9,6 +9,7 @@
 #define RADII      5   /* around 16 spacings: where a lattice ends at a wall is chance */
 #define JITTER     0.1 /* of each coordinate, spacings */
 #define OPEN       "-spacing 1 -box_lower -24,-24,-24 -box_upper 24,24,24 -bodies a -a_tension 1 "
+#define PHASES     "-tension_type cahn_hilliard "
 #define OPEN_2D    "-dimension 2 -spacing 1 -box_lower -36,-36 -box_upper 36,36 -bodies a -a_tension 1 "
 #define LONG       "-spacing 1 -box_lower -24,-24,0 -box_upper 24,24,12 -box_z periodic -bodies a -a_tension 1 "
 #define FILM                                                                                                           \
@@ -466,18 +467,20 @@ static PetscErrorCode TestBand(void)
     PetscInt        missed = 0, beyond = 0, near = 0, count = 0;
     Setup           s;
     PetscReal      *g;
+    CahnHilliard   *data;
 
-    PetscCall(SetupFill(pool ? POOL : OPEN, n, points, pool ? 4 : 0, &s));
+    PetscCall(SetupFill(pool ? POOL PHASES : OPEN PHASES, n, points, pool ? 4 : 0, &s));
     PetscCall(SetupMoments(&s));
 
-    s.tension->band = (radius[pool] - s.tension->spacing) / TensionReach(s.tension);
+    data       = (CahnHilliard *)s.tension->data;
+    data->band = (radius[pool] - s.tension->spacing) / TensionReach(s.tension);
     PetscCall(PetscMalloc1(DIM * s.cloud->n_owned, &g));
     PetscCall(CahnHilliardGradient(s.tension, s.cloud, g));
     PetscCall(PetscFree(g));
     PetscCall(GatherSurface(s.cloud, surface, &count));
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
       const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
-      const PetscBool  found = CellMaskHas(&s.tension->near, x);
+      const PetscBool  found = CellMaskHas(&data->near, x);
       PetscReal        least = PETSC_MAX_REAL;
 
       for (PetscInt k = 0; k < count; k++) {

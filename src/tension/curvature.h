@@ -1,0 +1,204 @@
+/* Private to tension/: the model curvature, its data and its parts. */
+#ifndef ISPH_CURVATURE_H
+#define ISPH_CURVATURE_H
+
+#include "tension_impl.h"
+
+#define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
+
+/* More columns of the sorted liquid with fixed contents: depths, if images are moved; the local index, if solids have a
+   contact angle (contact.c); line.bend (moving_line.c). */
+#define DEPTH_COLUMN 7
+#define SOLID_COLUMN 9
+#define LINE_COLUMN  10
+
+/* A linear fit to values at the neighbours of a particle whose normals point to the same side. */
+typedef struct {
+  PetscBool enough;    /* enough neighbours for a slope */
+  PetscReal x[DIM];    /* weighted mean position of the neighbours relative to the particle, m */
+  PetscReal B[6];      /* inverse of their weighted second moments about this mean, 1/m2 */
+  PetscReal inverse_w; /* 1/sum W */
+  PetscInt  count;     /* number of neighbours */
+} NormalFit;
+
+/* --- contact.c, contact_solid.c: images of the liquid behind walls, with their contact angles --- */
+
+typedef struct {
+  PetscReal angle, cosine, sine; /* in the liquid, rad */
+  PetscReal image_tilt;          /* half of the displacement of images along the wall, over their distance from it */
+  PetscReal residual_tan;        /* 1/(cot(angle) - image_tilt) */
+  PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see hysteresis.c */
+} ContactAngle;
+
+#define LINE_TABLE 1024
+
+/* Contact lines that move, moving_line.c. */
+typedef struct {
+  int        law;               /* of the angle; 0: as at rest */
+  PetscReal  slip;              /* m */
+  PetscReal  x[LINE_TABLE + 1]; /* X over the angle */
+  PetscReal *bend;              /* [n_total] LineBend of FIELD_LINE */
+  PetscReal  fastest;           /* largest capillary number of a line on this rank, at the last TensionApply */
+  PetscReal *start, *wanted;    /* [n_fluid] FIELD_LINE before the step, and what it tends to */
+} MovingLine;
+
+/* The images that one wall, or all solids, add to the collected particles: begin to end - 1. */
+typedef struct {
+  PetscInt            begin, end, axis;
+  PetscReal           wall, inward[DIM]; /* of a face: position along the axis, m; unit vector into the liquid */
+  const ContactAngle *contact;           /* of a face; NULL: solids, where each particle has its own, see ContactOf */
+} WallImages;
+
+/* The particles collected around those of one cell: 'real' particles, then the images of 'images' walls, n in all. */
+typedef struct {
+  PetscInt   cell, width, real, n, images; /* width: the first columns */
+  WallImages image[2 * DIM + 1];
+} Around;
+
+/* Data of each of these images. */
+typedef struct {
+  PetscBool used;                      /* false if all are plain mirror images */
+  PetscInt capacity, *parent, *origin; /* [capacity] the candidate that it mirrors, and the real particle behind that */
+  float   *volume;                     /* [capacity] its volume over that of the real particle */
+} Images;
+
+/* Data of the particles near solids with a contact angle. */
+typedef struct {
+  PetscInt      count; /* number of solids; 0: none has a contact angle */
+  ContactAngle *angle; /* [count] angle 0: no contact angle */
+  PetscReal *mirror; /* [n_total][3] distance (m) from the nearest solid; volume of the image over the particle's, 0: no
+                        image; index of the solid, negative: none near, or without contact angle */
+  PetscReal  *normal;  /* [n_total][3] outward normal of the solid ... */
+  PetscReal  *meeting; /* [n_total][3] ... and the same at the free surface next to the particle */
+  PetscReal  *index;   /* [n_total] local indices, for SOLID_COLUMN */
+  SortedCells dummies; /* particles of all solids */
+} SolidContact;
+
+/* The data of the model. */
+typedef struct {
+  PetscBool sheets; /* sheet.c is used */
+  PetscReal sharpening;
+  PetscReal slender; /* for rings: see loose.c */
+  /* contact angles */
+  ContactAngle contact[DIM][2]; /* of the walls of the box */
+  SolidContact solid;
+  MovingLine   line;
+  Images       images;
+  PetscBool    tilted;     /* a contact angle is not 90 degrees: see ContactTilt */
+  PetscBool    hysteresis; /* some contact angle has hysteresis: see hysteresis.c */
+  PetscBool    walls;      /* the box has walls */
+  /* tables */
+  Kernel    core;                     /* W^H with the smoothing length SHEET_CORE H: sheet.c */
+  PetscReal depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
+  PetscReal fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
+  PetscReal plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  /* of the last TensionApply */
+  SortedCells    surface[SIZE_LEVELS]; /* surface particles */
+  unsigned char *close;                /* [n_owned] of SortNearSurface */
+  PetscBool     *loose;                /* [n_owned] rings in flight that count as rows of drops; NULL without rings */
+  NormalFit     *fit[SIZE_LEVELS];     /* [fit_capacity], by place in the sorted liquid of the level */
+  PetscInt       fit_capacity[SIZE_LEVELS];
+  float         *weight; /* [weight_capacity] weights of the fits' neighbours ... */
+  int32_t       *place;  /* [weight_capacity] ... and their places among the collected particles */
+  PetscInt64     weight_capacity;
+} Curvature;
+
+/* CurvatureOf - the data; NULL: the model is another one. CurvatureSurface - the work of TensionApply for the surface
+   of one phase: sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE of particles with a normal, and adds the forces of
+   sheets. SortNearSurface - marks in 'close' the fluid particles within SURFACE_REACH H of a surface particle,
+   independent of the cells, and sorts the liquid around them for each level. CurvatureSurface is collective. */
+static inline Curvature *CurvatureOf(Tension tension)
+{
+  return tension->model->on_surface ? (Curvature *)tension->data : NULL;
+}
+PetscErrorCode CurvatureSurface(Tension tension, Cloud cloud, const Phase *phase);
+PetscErrorCode SortNearSurface(Tension tension, Cloud cloud, const Phase *phase);
+
+/* ContactSetFromOptions - takes -<s>_contact_angle from the scene's solids; reads -wall_contact_angle and
+   -box_<face>_contact_angle, inside an options block; refuses (UserError) a contact angle of a face that is no wall.
+   Collective. */
+PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+/* LineLaw - the name of the law of the angles of lines that move. Not collective. */
+const char *LineLaw(Tension tension);
+/* ContactView - prints the angles of walls and solids, and warns of angles that look like radians. Collective. */
+PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
+/* ContactJson - writes the angles into the open object. Not collective. */
+void ContactJson(Tension tension, Json *json);
+/* ContactFindSolids - finds mirror, normal and index of SolidContact, ghosts too. ContactFindMeeting - finds meeting,
+   from normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ContactRestore -
+   returns the work arrays of ContactFindSolids. Collective. */
+PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud);
+PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[]);
+PetscErrorCode ContactRestore(Tension tension, Cloud cloud);
+PetscErrorCode ContactDestroy(Tension tension);
+/* ContactCollect - collects the columns of the liquid around a particle, and of images in walls, with their first
+   'width' columns; once for each cell. Columns 3 to 5 are normals if width > 3. Not collective. */
+PetscErrorCode ContactCollect(Tension tension, Domain domain, const At *at, PetscInt columns, PetscInt width,
+                              Around *around);
+/* ContactTilt - moves the collected images for a particle along the wall, in the direction of 'outward', a vector out
+   of the liquid. They move less if its part along the wall is shorter than that of a vector of length 'full' of a
+   surface that meets the wall. ContactVolume - the volume of the collected image k over that of its particle, as seen
+   from a particle; only if images.used. ContactOf - the contact angle of a group of images at a particle, and the unit
+   vector from the wall into the liquid; false: no solid is near. Not collective. */
+void  ContactTilt(Tension tension, const At *at, const Around *around, const PetscReal outward[DIM], PetscReal full);
+float ContactVolume(Tension tension, const At *at, PetscInt k);
+PetscBool ContactOf(Tension tension, const At *at, const WallImages *image, PetscReal inward[DIM],
+                    ContactAngle *contact);
+
+/* LineSetFromOptions - reads -wall_contact_law and -wall_contact_slip, inside an options block. LineBend - Ca L of a
+   line with a capillary number Ca beside a particle of this size (1). LineAngle - the angle (rad) of a line with this
+   angle at rest (rad) and LineBend. LineStart - finds line.bend, ghosts too. LineFind - from the normals ([n_total][3])
+   out of the liquid, what TensionMoveLines needs, and the fastest line; INT_SURFACE of ghosts must be current. Only
+   LineSetFromOptions and LineStart are collective. */
+PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+PetscReal      LineBend(Tension tension, PetscReal size, PetscReal capillary);
+PetscReal      LineAngle(Tension tension, PetscReal at_rest, PetscReal bend);
+PetscErrorCode LineStart(Tension tension, Cloud cloud);
+PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[]);
+
+/* SheetShare - the degree to which a particle with phi and |grad phi| (1/m) is in a sheet too thin for normals: 0: not,
+   1: wholly. Not collective. */
+PetscReal SheetShare(Tension tension, const At *at, PetscReal phi, PetscReal gradient);
+/* SheetSlope - dS/dphi (m2), with S the surface of a particle of volume V_0 and this phi in a sheet. Not collective. */
+PetscReal SheetSlope(Tension tension, const At *at, PetscReal phi);
+/* SheetHoop - adds the pull of ring a's sheet towards the axis, a hoop, to FIELD_ACCELERATION. slope (Pa m2): sigma
+   times SheetSlope times SheetShare. Not collective. */
+void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi);
+/* SheetPull - adds the forces between particles of thin sheets and all others to FIELD_ACCELERATION. The liquid must be
+   sorted. slope ([n_total], Pa m2; values of ghosts are overwritten): sigma times SheetSlope times share; share
+   ([n_owned]): SheetShare. Both become zero in threads. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal share[]);
+
+/* LooseFind - sets 'loose' from the rings' positions and neighbours. Collective. LooseHas - whether ring a is
+   loose; false for other particles. Not collective. */
+PetscErrorCode LooseFind(Tension tension, Cloud cloud);
+/* LooseSetFromOptions - reads -tension_slender. Collective. */
+PetscErrorCode          LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+static inline PetscBool LooseHas(Tension tension, PetscInt a)
+{
+  const Curvature *data = tension->data;
+
+  return (PetscBool)(data->loose && data->loose[a]);
+}
+
+/* MarangoniAdd - adds the pull grad_s sigma along a free surface that bodies of different tension share to
+   FIELD_ACCELERATION (m/s2) of the particles on it; nothing if all have one tension. Needs normals and correction of
+   the last search. Not collective. */
+void MarangoniAdd(Cloud cloud);
+
+/* InterfaceApply - with two liquids, in place of one CurvatureSurface: one for the surface of each
+   liquid, and one for that of both together. Sets the same fields, and the cloud's at_interface, pressure_jump
+   and pressure_jump_slope. Collective. */
+PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
+
+/* --- near_wall.c --- */
+/* A wall face of the box, or the nearest solid with a contact angle. */
+#define WALLS_NEAR (2 * DIM + 1)
+typedef struct {
+  const ContactAngle *contact;
+  PetscReal           distance, inward[DIM], velocity[DIM]; /* m, negative inside a solid; into the liquid; m/s */
+} LineWall;
+/* WallsNear - those within 'reach' (m) of particle a; returns how many. Not collective. */
+PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR]);
+
+#endif

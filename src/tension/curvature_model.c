@@ -1,0 +1,107 @@
+/* The model curvature: its tables, options and data. curvature.c finds the curvature of one surface, interface.c has
+   those of two liquids. */
+#include "../base/simd.h"
+#include "curvature.h"
+
+/* With half of this limit drops, threads, sheets and contact lines behave the same, in up to twice the steps. */
+#define STEP_LIMIT 0.5
+/* The curvature is smoothed over H, so short waves are slow: forces at the middle of the step are stable up to 7.6 to
+   8.5 times the unit (-spectrum); rings at rest move more than they should from 6 on. */
+#define STEP_MOST 4
+#define SLENDER   5 /* default of -tension_slender: see loose.c */
+
+/* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
+static PetscErrorCode CurvatureSetUp(void *owner)
+{
+  Tension         tension = (Tension)owner;
+  Curvature      *data    = tension->data;
+  const PetscReal support = KernelSupport(tension->kernel);
+  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
+  const PetscReal dr = support / WALL_TABLE;
+
+  PetscFunctionBegin;
+  WideStart();
+  PetscCall(KernelCreate(tension->comm, tension->dim, &data->core));
+  PetscCall(KernelSetSmoothingLength(data->core, SHEET_CORE * KernelSmoothingLength(tension->kernel)));
+  KernelHalfSpace(tension->kernel, 0, &data->plane, NULL);
+  KernelSurfaceTable(tension->kernel, WALL_TABLE, data->fraction);
+  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
+  KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
+  data->moment = 0;
+  for (PetscInt k = 0; k < WALL_TABLE; k++)
+    data->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
+  for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: half-space fills (1 + k/WALL_TABLE)/2 */
+    const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
+
+    while (m < WALL_TABLE && next < wanted) {
+      fraction = next;
+      m++;
+      next += KernelSlice(tension->kernel, support * (m - 1) / WALL_TABLE, support * m / WALL_TABLE);
+    }
+    data->depth[k] = support / WALL_TABLE * (m > 0 ? m - 1 + PetscMin(1, (wanted - fraction) / (next - fraction)) : 0);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
+{
+  PetscFunctionBegin;
+  if (tension->rings && CurvatureOf(tension)->slender > 0) PetscCall(LooseFind(tension, cloud));
+  PetscCall(LineStart(tension, cloud));
+  PetscCall(tension->interface ? InterfaceApply(tension, cloud) : CurvatureSurface(tension, cloud, NULL));
+  if (!tension->interface) MarangoniAdd(cloud);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SetDefaults(void *owner)
+{
+  Curvature *data = ((Tension)owner)->data;
+
+  data->sheets     = PETSC_TRUE;
+  data->sharpening = 2;
+  data->slender    = SLENDER;
+}
+
+static PetscErrorCode Destroy(Tension tension)
+{
+  Curvature *data = tension->data;
+
+  PetscFunctionBegin;
+  PetscCall(KernelDestroy(&data->core));
+  PetscCall(ContactDestroy(tension));
+  PetscCall(PetscFree(data->weight));
+  PetscCall(PetscFree(data->place));
+  PetscCall(PetscFree(data->loose));
+  PetscCall(PetscFree(data->close));
+  for (PetscInt l = 0; l < SIZE_LEVELS; l++) {
+    PetscCall(SortedCellsReset(&data->surface[l]));
+    PetscCall(PetscFree(data->fit[l]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const OptionRow options[] = {
+  {"-tension_sheets", "Surface tension of sheets and threads too thin for a normal", NULL, NULL, ROW_BOOL,
+   offsetof(Curvature, sheets)},
+  {"-tension_sharpening", "Factor of the deconvolution that sharpens the curvature; 0: none", "1", "[0, 4]", ROW_REAL,
+   offsetof(Curvature, sharpening)},
+  {.name = NULL},
+};
+
+static PetscErrorCode ReadMore(Tension tension, OptionItems PetscOptionsObject)
+{
+  PetscFunctionBegin;
+  PetscCall(LooseSetFromOptions(tension, PetscOptionsObject));
+  PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const TensionModel TensionCurvature = {
+  .choice     = {TENSION_CURVATURE, sizeof(Curvature), options, SetDefaults, CurvatureSetUp},
+  .more       = ReadMore,
+  .apply      = TensionApply_Curvature,
+  .destroy    = Destroy,
+  .on_surface = PETSC_TRUE,
+  .step_limit = STEP_LIMIT,
+  .step_most  = STEP_MOST,
+};
