@@ -24,7 +24,8 @@ isph \- incompressible smoothed particle hydrodynamics on PETSc
 .RI [ value "]] ..."
 .SH DESCRIPTION
 Simulates drops, splashes and other free-surface flows of liquids by particles. The scene and everything else are
-options, on the command line or one a line in options files; what comes later wins. All units are SI. PETSc's own
+options, on the command line or one a line in options files; what comes later wins. Numbers are in the unit that the
+list gives; others may stand behind them (0.1mm, 40deg, 3cP). PETSc's own
 options work as in any PETSc program: those of the pressure's solver without a prefix (\-ksp_type, \-pc_type),
 \-log_view and others.
 .PP

@@ -27,7 +27,7 @@ static char      Refusal[256]; /* the sentence of an error outside of a run */
 static const char help[] =
   "isph: incompressible smoothed particle hydrodynamics on PETSc.\n"
   "  ./isph [-ranks N] cases/drop_impact/case.opts [options/quick.opts ...] [-name value ...]\n"
-  "Later options win over earlier ones.\n\n";
+  "Later options win over earlier ones. Numbers are in SI, or have a unit behind them: 0.1mm, 40deg, 3cP.\n\n";
 
 /* --- each call --- */
 

@@ -254,6 +254,14 @@ PetscErrorCode OptionsFileFind(MPI_Comm comm, char path[PETSC_MAX_PATH_LEN]);
    memory. Not collective. */
 int WordsSplit(const char text[], char ***word);
 
+/* UnitsConvert - writes numbers that may have units behind them, "1.5 mm,0", as the numbers in the unit of their row,
+   "1.5e-3,0". In a list the last unit is that of all numbers without one, and 0 needs none. False: it is not that, or
+   longer than 'size'. *any: whether there were units; without them 'text' stays empty. UnitsList - appends ", " and
+   each unit that is allowed besides that of a row. UnitIs - whether a text is a unit of any row. Not collective. */
+PetscBool UnitsConvert(const char unit[], const char given[], char text[], size_t size, PetscBool *any);
+void      UnitsList(const char unit[], char text[], size_t size);
+PetscBool UnitIs(const char text[]);
+
 /* WordDistance - Damerau-Levenshtein distance of two words (optimal string alignment): the number of letters to insert,
    delete, replace or swap with the next one. Only the first 128 letters of b count. WordsAlike - the distance up to
    which a misspelt name is taken for this one. OptionMeant - " (is -nmae meant for it?)" if an option that nothing has

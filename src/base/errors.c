@@ -140,7 +140,10 @@ static PetscBool ReportBadValue(const char function[], PetscErrorCode code, cons
       strncmp(function, "PetscOptionsInsert", 18) && strncmp(function, "PetscOptionsSetValue", 20) &&
       code != PETSC_ERR_ARG_UNKNOWN_TYPE)
     return PETSC_FALSE;
-  if (strstr(function, "YAML"))
+  if (strstr(message, ": extra token"))
+    (void)snprintf(option, sizeof(option),
+                   "; between numbers, and before a unit, there are no blanks: 1,2mm, or \"1, 2 mm\"");
+  else if (strstr(function, "YAML"))
     (void)snprintf(option, sizeof(option), ": an options file whose name ends in .yaml or .yml is not YAML");
   else
     FindOption(message, option, sizeof(option));

@@ -30,5 +30,8 @@ void JsonReals(Json *json, const char key[], PetscInt n, const PetscReal value[]
 /* OptionsJson - writes the noted options as the array "options". scene: those that were read, bodies and all, with
    their values; else those of any scene, with <body> for the name of a body. Not collective. */
 PetscErrorCode OptionsJson(Json *json, PetscBool scene);
+/* UnitsJson - writes the object "units": for each unit of rows an array of those that may stand behind a number
+   besides. Not collective. */
+void UnitsJson(Json *json);
 
 #endif

@@ -202,31 +202,56 @@ typedef struct {
   void            *value;
 } Reading;
 
-/* Refuses words that are no numbers, which PETSc calls input strings without a numeric value, and a gap between commas,
-   which PETSc would skip. */
-static PetscErrorCode CheckNumbers(const Reading *r, MPI_Comm comm)
+/* Gives the option another value in PETSc's database, for all who read it again: the dump, scene.json, a restart. */
+static PetscErrorCode Replace(Reading *r, OptionItems items, const char value[])
+{
+  char name[OPTION_NAME_LENGTH];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", r->prefix, r->row->name + 1));
+  PetscCall(PetscOptionsSetValue(items->options, name, value));
+  PetscCall(PetscOptionsFindPair(items->options, items->prefix, r->row->name, &r->given, &r->set));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the text has numbers and nothing else. PETSc would skip a gap between commas. */
+static PetscBool AreNumbers(const char text[], PetscBool whole, PetscBool several)
+{
+  char *end;
+
+  do {
+    if (whole)
+      (void)strtoll(text, &end, 10);
+    else
+      (void)strtod(text, &end);
+    if (end == text) return PETSC_FALSE;
+    text = end + 1;
+  } while (several && *end == ',');
+  return (PetscBool) !*end;
+}
+
+/* Takes the units from the numbers, and refuses words that are none, which PETSc calls input strings without a numeric
+   value. */
+static PetscErrorCode CheckNumbers(Reading *r, OptionItems items)
 {
   const PetscBool several = (PetscBool)(r->row->kind == ROW_NUMBERS || r->row->kind >= ROW_POINT);
-  const char     *unit = r->row->unit && strcmp(r->row->unit, "1") ? r->row->unit : NULL, *text = r->given;
-  char           *end = NULL;
+  const char     *unit    = r->row->unit && strcmp(r->row->unit, "1") ? r->row->unit : NULL;
+  char            text[OPTION_TEXT_LENGTH], units[NAMES_LENGTH] = "";
+  PetscBool       good, any                                     = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (!r->given[0] || (r->row->kind >= ROW_AXIS && isalpha((unsigned char)r->given[0])))
     PetscFunctionReturn(PETSC_SUCCESS);
-  do {
-    if (r->row->kind == ROW_INT)
-      (void)strtoll(text, &end, 10);
-    else
-      (void)strtod(text, &end);
-    if (end == text) break;
-    text = end + 1;
-  } while (several && *end == ',');
-  PetscCheckUser(end != r->given && end + 1 == text && !*end, comm,
-                 "-%s%s is %s; %s wanted%s%s, with nothing behind %s", r->prefix, r->row->name + 1, r->given,
+  if (unit) UnitsList(unit, units, sizeof(units));
+  good = (PetscBool)(!unit || UnitsConvert(unit, r->given, text, sizeof(text), &any));
+  if (good && any) PetscCall(Replace(r, items, text));
+  PetscCheckUser(good && AreNumbers(r->given, (PetscBool)(r->row->kind == ROW_INT), several), items->comm,
+                 "-%s%s is %s; %s wanted%s%s%s%s%s", r->prefix, r->row->name + 1, r->given,
                  several                   ? "numbers with single commas between them are"
                  : r->row->kind == ROW_INT ? "a whole number is"
                                            : "a number is",
-                 unit ? ", in " : "", unit ? unit : "", several ? "them" : "it");
+                 unit ? ", in " : "", unit ? unit : "", units[0] ? ", or with one of" : ", with nothing",
+                 units[0] ? units + 1 : "", several ? " behind the last or each" : " behind it");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,17 +346,15 @@ static PetscErrorCode ReadNames(Reading *r, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The option names the file where it was found, for all who read it again: the dump, scene.json, a restart. */
+/* The option names the file where it was found. */
 static PetscErrorCode FindFile(Reading *r, OptionItems items)
 {
-  char path[PETSC_MAX_PATH_LEN], name[OPTION_NAME_LENGTH];
+  char path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(path, r->given, sizeof(path)));
   PetscCall(OptionsFileFind(items->comm, path));
-  PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", r->prefix, r->row->name + 1));
-  PetscCall(PetscOptionsSetValue(items->options, name, path));
-  PetscCall(PetscOptionsFindPair(items->options, items->prefix, r->row->name, &r->given, &r->set));
+  PetscCall(Replace(r, items, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -390,8 +413,7 @@ PetscErrorCode OptionsReadVectors(OptionItems items, const OptionRow rows[], con
       PetscCall(Note(row, items->prefix, items->title, place, PETSC_TRUE, NULL, standard));
       continue;
     }
-    if (row->kind <= ROW_INT || row->kind == ROW_NUMBERS || row->kind >= ROW_POINT)
-      PetscCall(CheckNumbers(&r, items->comm));
+    if (row->kind <= ROW_INT || row->kind == ROW_NUMBERS || row->kind >= ROW_POINT) PetscCall(CheckNumbers(&r, items));
     if (row->kind == ROW_FILE && r.set) PetscCall(FindFile(&r, items));
     if (row->kind >= ROW_POINT && vector)
       PetscCall((*vector)(context, items, row, r.help, place, (PetscReal *)r.value));

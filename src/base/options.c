@@ -217,6 +217,10 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
     if (word[0] != '-' && (*argv)[k - 1][0] != '-' && (word[0] == ',' || EndsInComma((*argv)[k - 1])))
       return UserError(comm, "%s%s stands in two words: write numbers without blanks between them", (*argv)[k - 1],
                        word);
+    if (word[0] != '-' && (*argv)[k - 1][0] != '-' && UnitIs(word))
+      return UserError(comm,
+                       "%s %s stands in two words: write a unit without a blank, %s%s, or both in quotation marks",
+                       (*argv)[k - 1], word, (*argv)[k - 1], word);
     if (word[0] != '-' && (*argv)[k - 1][0] != '-')
       return UserError(comm, "%s is not the value of an option; did you mean -options_file %s?", word, word);
   }

@@ -66,6 +66,7 @@ static PetscErrorCode WriteList(Sim sim, FILE *file)
   PetscFunctionBegin;
   JsonObject(&json, NULL);
   PetscCall(OptionsJson(&json, PETSC_FALSE));
+  UnitsJson(&json);
   RefusalsJson(&json);
   JsonEnd(&json);
   PetscFunctionReturn(PETSC_SUCCESS);

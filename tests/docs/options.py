@@ -14,6 +14,10 @@ README, LIST = os.path.join(FOLDER, "README.md"), os.path.join(FOLDER, "options.
 MARKS = "<!-- options -->", "<!-- /options -->"
 FEATURE = r"(?<!\S)(-[\w<>]+(?: (?!cannot|needs|yet)[\w<>]+)?)"
 CHOICES = 12  # that a cell holds
+UNITS = (  # the rule
+    "A unit behind a number is converted once; dumps and all files of a run have SI. It stands without a blank,",
+    '`0.1mm`, or both in quotation marks, `"0.1 mm"`. In a list the unit of the last number is that of all',
+    "without one, and 0 needs none: `0,1.5mm` is 0 and 1.5 mm. A blank within a unit may be left out, or be a dot.")
 COLUMNS = ("option", "default", "unit", "values", "meaning")
 
 
@@ -44,7 +48,8 @@ def reference(known):
     for refusal in known["refusals"]:
         text = f"{refusal['one']} {refusal['relation']} {refusal['other']}{refusal['rest']}"
         lines.append("* " + re.sub(FEATURE, r"`\1`", text))
-    lines.append("")
+    lines += ["", "## Units", "", *UNITS, "", "| an option in | may have |", "|---|---|"]
+    lines += [f"| {unit} | {', '.join(others)} |" for unit, others in known["units"].items()] + [""]
     for title, rows in groups(known["options"]).items():
         lines += ["## " + re.sub(r"(-\S+ \S+)$", r"`\1`", title), "", "| " + " | ".join(COLUMNS) + " |",
                   "|---" * len(COLUMNS) + "|"]

@@ -45,7 +45,8 @@ VALUES = ["", "0", "-0", "-1", "1", "2", "3", "7", "1e-300", "1e300", "-1e300", 
           "0x10", "1e", "1,2", "1,2,3,4", ",", ",,",
           "1,,2", "a", "true", "no", "perhaps", "%s%n", "$(id)", "../..", "/", "\u00e9", "x" * 300,
           "1;2", "0,0,0", "0,0",
-          "1e-12,1e-12", "wall", "sphere", "all", "default", "-", "--", "1 2", "\t", "none", "lu", "fgmres"]
+          "1e-12,1e-12", "5cm,0", "0.1 m", "3cP", "2ms", "1,2mm",
+          "40deg", "1e400mm", "mm", "wall", "sphere", "all", "default", "-", "--", "1 2", "\t", "none", "lu", "fgmres"]
 TAIL = " -steps_max 1 -progress_interval 0 -output_overwrite"
 
 

@@ -90,6 +90,8 @@ def contents():
     file("a name of 100000 letters", LINES + "-" + "x" * 100000 + " 1\n", ["x"])
     file("an open quotation", LINES + '-gravity "0,-1\n', ["-gravity"])
     file("an equals sign", LINES + "-spacing=0.1\n", ["-spacing=0.1"])
+    file("a unit behind a blank", LINES + "-gravity 0,-9.81 m/s2\n", ["line", "m/s2", "no blanks"])
+    file("units", LINES.replace("0.1\n", "10cm\n") + '-film_viscosity "3 cP"\n-time_end 10s\n')
     file("a word without a dash", LINES + "spacing 0.1\n", ["spacing"])
     file("a binary file", bytes(range(256)) * 100, ["line 1"])
     file("three thousand options", LINES + "".join(f"-option_{k} {k}\n" for k in range(3000)), ["more options"])

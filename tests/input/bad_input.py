@@ -53,12 +53,16 @@ def core():
     """Options, files of them, and what is said of them."""
     refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
     refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
-    for name, words in (("-spacing 0.1mm", ["is 0.1mm", "a number", "in m,"]),
+    for name, words in (("-spacing 0.1cP", ["is 0.1cP", "a number", "in m,", "mm, cm behind it"]),
+                        ("-spacing 100 mm", ["100 mm stands in two words", "100mm"]),
+                        ("-kernel_ratio 1mm", ["is 1mm", "with nothing"]),
+                        ("-steps_max 1s", ["is 1s", "with nothing"]),
                         ("-gravity 0,0,", ["is 0,0,;", "single commas", "in m/s2,"]),
                         ("-gravity 0,,1", ["single commas"]), ("-gravity ,0,1", ["single commas"]),
-                        ("-gravity 0,0,x", ["single commas"]), ("-film_upper 1mm,1,1", ["in m,"]),
+                        ("-gravity 0,0,x", ["single commas"]),
+                        ("-film_upper 1mm,1,1", ["in m,", "behind the last or each"]),
                         ("-steps_max 1e3", ["is 1e3", "a whole number is wanted, with"]),
-                        ("-gauge_heights 1,1mm", ["in m,"]), ("-gravity 0,0, -1", ["is 0,0,"]),
+                        ("-gauge_heights 1,1ms", ["in m,"]), ("-gravity 0,0, -1", ["is 0,0,"]),
                         ("-gravity 0,0 ,1", ["0,0,1 stands in two words"]),
                         ("-film_contact_angle none", ["nothing reads"])):
         refused("number" + name.replace("/", ""), GOOD + name, words)

@@ -76,8 +76,31 @@ def long_list():
     runs.check("point_60_pressure_Pa" in names or "point_60_pressure" in names, "long_list_is_whole", str(names[-3:]))
 
 
+def units():
+    """A dump has the numbers in SI, as they are in the scene without units, to the last bit of the run."""
+    plain = ["-dimension", "2", "-box_lower", "-5e-3,-2e-3", "-box_upper", "5e-3,10e-3", "-box_ymin", "wall", "-bodies",
+             "film", "-spacing", "0.5e-3", "-film_upper", "5e-3,0", "-film_viscosity", "3e-3", "-film_tension", "72e-3",
+             "-gravity", "0,-9.81", "-wall_contact_angle", "40", "-time_end", "10e-3"]
+    written = dict(zip(plain[::2], plain[1::2])) | {
+        "-box_lower": "-5,-2mm", "-box_upper": "5 mm,1 cm", "-spacing": "500um", "-film_upper": "5mm,0",
+        "-film_viscosity": "3cP", "-film_tension": "72 mN/m", "-gravity": "0,-9.81m/s2", "-wall_contact_angle": "40deg",
+        "-time_end": "10 ms"}
+    dump, one, other = (runs.scratch(name) for name in ("units.opts", "plain", "units"))
+    written = [word for pair in written.items() for word in pair]
+    for words, folder in ((plain, one), (written, other)):
+        done = runs.start([*words, *SHORT, "-dump_options", dump])
+        done = done if done.returncode else runs.start([*words, *SHORT, "-output_dir", folder])
+        runs.check(not done.returncode, f"units_{os.path.basename(folder)}_runs", done.stderr)
+    runs.check(not differences(one, other), "units_are_converted", ", ".join(differences(one, other)))
+    with open(dump, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    for name, value in (("-spacing", "500e-6"), ("-film_upper", "5e-3,0"), ("-wall_contact_angle", "40")):
+        runs.check(f"{name} {value}" in lines, f"units_dumped{name}", "\n".join(x for x in lines if name in x))
+
+
 os.chdir(runs.ROOT)
 long_list()
+units()
 files = sorted(glob.glob("cases/*/*.opts") + glob.glob("options/*.opts"))
 runs.check(len(files) > 80, "files", f"only {len(files)}")
 with ThreadPoolExecutor(2) as pool:

@@ -84,6 +84,36 @@ static PetscErrorCode TestInterrupts(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A power of ten changes the exponent alone; a list has the unit of its last number. */
+static PetscErrorCode TestUnits(void)
+{
+  static const char *const cases[][3] = {
+    {"m", "0.1mm", "0.1e-3"},   {"m", "-1.5e2 cm", "-1.5e0"},   {"m", "1,2um", "1e-6,2e-6"},
+    {"m", "5 mm, 0", "5e-3,0"}, {"m", "1cm,2nm,3", NULL},       {"m", "1m,2,3mm", "1,2e-3,3e-3"},
+    {"m", "3cP", NULL},         {"m", "1 mm mm", NULL},         {"m", "mm", NULL},
+    {"m", "0x10mm", NULL},      {"m", "infmm", NULL},           {"m", "1e4294967296mm", NULL},
+    {"s", "2min", "120"},       {"Pa s", "3mPas", "3e-3"},      {"Pa s", "3 mPa s", "3e-3"},
+    {"Pa s", "3mPa.s", "3e-3"}, {"Pa s", "3 Pa s", "3"},        {"degrees", "40deg", "40"},
+    {"m/s", "-36 km/h", "-10"}, {"kg/m3", "0.9g/cm3", "0.9e3"}, {"spacings", "1mm", NULL},
+  };
+  char      text[64];
+  PetscBool any, good, same;
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cases); k++) {
+    good = UnitsConvert(cases[k][0], cases[k][1], text, sizeof(text), &any);
+    PetscCall(PetscStrcmp(text, cases[k][2] ? cases[k][2] : text, &same));
+    CHECK(good == (PetscBool)(cases[k][2] != NULL) && same && (!good || any), cases[k][1]);
+  }
+  good = UnitsConvert("m", "1e-3,2", text, sizeof(text), &any);
+  CHECK(good && !any && !text[0], "numbers without units");
+  CHECK(!UnitsConvert("m", "1mm,2mm,3mm,4mm", text, 16, &any), "no room");
+  CHECK(UnitsConvert("rad/s", "60rpm", text, sizeof(text), &any) && any, "a factor");
+  CHECK_CLOSE(strtod(text, NULL), 2 * PETSC_PI, 1e-15, "turns");
+  CHECK(UnitIs("mm") && UnitIs("kg m2") && !UnitIs("my.opts"), "what is a unit");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscErrorCode  code  = PETSC_SUCCESS;
@@ -99,6 +129,7 @@ int main(int argc, char **argv)
     (void)ErrorFinish(code);
   } else {
     PetscCall(TestDuration());
+    PetscCall(TestUnits());
     PetscCall(TestInterrupts());
     PetscCall(TestPrinter());
     RefuseBegin();
