@@ -57,7 +57,7 @@ class Result:
         c0, c1, u0, u1 = m0 @ x0 / m0.sum(), m1 @ x1 / m1.sum(), m0 @ v0 / m0.sum(), m1 @ v1 / m1.sum()
         turn = (m1[:, None] * np.cross(x1 - c1, v1 - u1)).sum(axis=0) - (m0[:, None] * np.cross(x0 - c0, v0 - u0)).sum(
             axis=0)
-        radius = np.sqrt(m0 @ ((x0 - c0)**2).sum(axis=1) / m0.sum())
+        radius = max(np.sqrt(m0 @ ((x0 - c0)**2).sum(axis=1) / m0.sum()), scene.spacing)  # of one particle, too
         self.angular = np.linalg.norm(turn) / (m0.sum() * speed * radius)
 
 

@@ -145,6 +145,20 @@ static int Drops(PetscReal r, PetscReal z)
 
 #define DROPLETS 4 /* columns: number, volume, largest volume, spray */
 
+/* Gives the liquid a velocity to the right: it leaves the mirror, or crosses it with its image. */
+static PetscErrorCode Across(Run *run, PetscReal speed)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(run->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) arrays.real[FIELD_VELOCITY][DIM * a] = speed;
+  PetscCall(ParticlesClose(run->particles, &arrays));
+  PetscCall(CloudResync(run->cloud));
+  PetscCall(CloudBegin(run->cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The columns of the droplets; and from the table how many droplets the rows stand for, and their volume. */
 static PetscErrorCode MeasureDroplets(const char options[], PetscReal multiplicity, PetscReal columns[DROPLETS],
                                       PetscReal table[2])
@@ -156,6 +170,7 @@ static PetscErrorCode MeasureDroplets(const char options[], PetscReal multiplici
   PetscFunctionBegin;
   PetscCall(RunCreate(options, &run));
   PetscCall(Fill(&run, Drops, 0));
+  PetscCall(Across(&run, 3));
   CHECK(ColumnCount(run.gauges) == DROPLETS && GaugesTables(run.gauges) == 1, "droplets: columns and a table");
   PetscCall(GaugesMeasure(run.gauges, columns));
   PetscCall(GaugesTableRows(run.gauges, 0, 0, &count, &width, &rows));
@@ -164,6 +179,8 @@ static PetscErrorCode MeasureDroplets(const char options[], PetscReal multiplici
     table[0] += rows[width * k + width - 1];
     table[1] += rows[width * k + width - 1] * rows[width * k + 1];
     if (rows[width * k + width - 1] < multiplicity) CHECK_CLOSE(rows[width * k + 2], 0, 1e-12, "droplets: on the axis");
+    CHECK_CLOSE(rows[width * k + 5], rows[width * k + width - 1] < multiplicity ? 0 : 3, 1e-12,
+                "droplets: none moves across the mirror");
   }
   PetscCall(PetscFree(rows));
   PetscCall(RunDestroy(&run));

@@ -66,6 +66,7 @@ static void Mistakes(void)
   CHECK(IsphFinalize() != 0, "finalize_with_a_run");
   CHECK(IsphStep(run, 1) == 0 && !IsphError()[0], "mistakes_do_not_end_a_run");
   CHECK(IsphStep(run, 0) != 0 && strstr(IsphError(), "starts later"), "step_into_the_past");
+  CHECK(IsphStep(run, IsphTime(run)) != 0 && strstr(IsphError(), "starts later"), "step_of_no_time");
   CHECK(IsphDestroy(&run) == 0 && !run && IsphDestroy(&run) == 0, "destroy");
   CHECK(IsphCreate(SCENE, ISPH_WORLD, &run) == 0 && IsphStep(run, 1) != 0 && strstr(IsphError(), "IsphSetUp first"),
         "step_before_set_up");
