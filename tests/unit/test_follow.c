@@ -157,8 +157,8 @@ static PetscErrorCode TestKept(void)
   "-drop_center 0,46 -drop_radius 16 -halo_slack 0.1 -film_density 1 -drop_density 1 -packing_jitter 0 "
 
 /* The dummies of rings: those of a layer of the floor reach from the axis to the wall and cover the disc, but for the
-   first ring, whose mean radius is that of its layer where its column is narrower; those of a layer of the cylinder fill
-   it to the top. */
+   first ring, whose mean radius is that of its layer where its column is narrower; those of a layer of the cylinder
+   fill it to the top. */
 static PetscErrorCode CheckRound(Setup *s, const char label[])
 {
   const Cloud cloud = s->cloud;
@@ -186,9 +186,9 @@ static PetscErrorCode CheckRound(Setup *s, const char label[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A drop of rings has two curvatures of 1/R and wants R/8, on the axis and beside it; the wall of a cavity in the liquid
-   has that around the axis alone and wants R/4, by its shape and by the normals of its particles. On a surface the
-   target is up to its growth over the band smaller. */
+/* A drop of rings has two curvatures of 1/R and wants R/8, on the axis and beside it; the wall of a cavity in the
+   liquid has that around the axis alone and wants R/4, by its shape and by the normals of its particles. On a surface
+   the target is up to its growth over the band smaller. */
 static PetscErrorCode TestRings(void)
 {
   const PetscReal top[DIM] = {0.1, 62, 0}, side[DIM] = {16, 46, 0}, cavity[DIM] = {8, 40, 0};
