@@ -20,7 +20,8 @@ SCENES = {
               "-stone_lower 0.7,0 -stone_upper 0.9,0.2 -boat_lower 0,0.4 -boat_upper 0.3,0.6 -boat_mass 30",
     "following": "-dimension axisymmetric -spacing 0.05 -spacing_coarse 0.15 -spacing_growth 0.1 "
                  "-spacing_follow surface -box_lower 0,0 -box_upper 2,3 -box_xmax wall -box_ymin wall -bodies "
-                 "pool,drop -pool_upper 2,1 -drop_shape sphere -drop_center 0,1.6 -drop_radius 0.5 -drop_velocity 0,-1 -gravity 0,-9.81",
+                 "pool,drop -pool_upper 2,1 -drop_shape sphere -drop_center 0,1.6 -drop_radius 0.5 -drop_velocity "
+                 "0,-1 -gravity 0,-9.81",
     "plane": "-dimension 2 -spacing 0.05 -spacing_coarse 0.15 -spacing_growth 0.1 -spacing_follow surface -box_lower "
              "0,0 -box_upper 2,2 -box_x wall -box_ymin wall -bodies pool -pool_upper 2,1.2 -gravity 0,-9.81",
     "space": "-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y symmetry -box_zmin wall -bodies a "
