@@ -211,7 +211,8 @@ static void Renormalise(Cloud cloud)
 }
 
 /* Behind a wall is the liquid that is before it: where bodies differ in density, a particle of a wall has the mean of
-   those of its liquid neighbours. One density for all walls, that of some body, would act on the others. */
+   those of its liquid neighbours, without any that of the first body. One density for all walls, that of some body,
+   would act on the others. */
 static PetscErrorCode WallDensities(Cloud cloud)
 {
   PetscReal *rho = cloud->field[FIELD_DENSITY], *rest = cloud->rest_density;
@@ -254,6 +255,8 @@ PetscErrorCode OperatorsMoments(Cloud cloud, const Viscosity *viscosity)
   scales.nu      = liquid->viscosity / liquid->density;
   scales.friction =
     viscosity ? OperatorsViscosityFactor(cloud, VISCOSITY_MOMENT) * scales.V * 2 * scales.nu * scales.scale_f : 0;
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) /* not what the step before left: see WallDensities */
+    cloud->rest_density[a] = liquid->density;
   PetscCall(CloudSearch(cloud, MomentsRow, &scales));
   PetscCall(WallDensities(cloud));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_MOMENTS), 0, 0, 0, 0));

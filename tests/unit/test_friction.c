@@ -193,6 +193,38 @@ static PetscErrorCode TestJump(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The densities of a floor: those of the liquid on it, the first body's where there is none, whatever was there
+   before. */
+static PetscErrorCode TestFloor(void)
+{
+  PetscReal off[2] = {0, 0}, light = 0;
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(
+    "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 40,30 -halo_slack 2 -box_ymin wall -packing_jitter 0 -bodies "
+    "a,b -a_upper 10,6 -a_density 1000 -b_lower 26,0 -b_upper 36,6 -b_density 700 ",
+    &s));
+  for (PetscInt round = 0; round < 2; round++) {
+    PetscCall(SetupMoments(&s));
+    for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_owned; a++) {
+      const PetscReal x = s.cloud->field[FIELD_POSITION][DIM * a], due = x > 26 && x < 36 && round == 0 ? 700 : 1000;
+
+      if (s.cloud->integer[INT_LAYER][a] != 2 || (x > 20 && x < 26) || x > 36) continue; /* its liquid may be far */
+      off[round] = PetscMax(off[round], PetscAbsReal(s.cloud->rest_density[a] - due));
+      light += round == 0 && due < 1000;
+    }
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) /* b rises beyond the support of the second layer */
+      if (s.cloud->integer[INT_BODY][a]) s.cloud->field[FIELD_POSITION][DIM * a + 1] += 0.7;
+    PetscCall(CloudMoved(s.cloud));
+  }
+  CHECK(SetupSum(light) == 10, "a_floor_below_a_light_liquid");
+  CHECK_CLOSE(SetupMax(off[0]), 0, 1e-9, "a_floor_has_the_density_of_its_liquid");
+  CHECK_CLOSE(SetupMax(off[1]), 0, 1e-9, "a_floor_forgets_liquid_that_has_left");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Liquid between a floor and a ceiling, which are walls of the box or solids: along them it slides without divergence,
    and wall particles that it leaves see it expand. With no slip, a shear flow that is at rest at a wall feels no force
    there. */
@@ -403,6 +435,7 @@ int main(int argc, char **argv)
   PetscCall(TestPair(VISCOSITY_MORRIS, 1, "morris"));
   PetscCall(TestSheets());
   PetscCall(TestSums());
+  PetscCall(TestFloor());
   PetscCall(TestJump());
   PetscCall(TestWalls("-box_lower 0,2 -box_upper 10,8 -box_y wall -a_upper 10,8", "walls"));
   PetscCall(TestWalls("-a_lower 0,2 -a_upper 10,8 -solids floor,ceiling -floor_lower -5,0 -floor_upper 15,2 "
