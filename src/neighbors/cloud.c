@@ -115,8 +115,8 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if (!Borrows(f) &&
-        ((f != FIELD_VISCOSITY && f != FIELD_COLOUR && f != FIELD_LINE) || ParticlesHave(cloud->particles, f)))
+    if (!Borrows(f) && (f >= FIELD_STORED_COUNT || f == FIELD_VOLUME || f == FIELD_SIZE || /* all ask for these two */
+                        ParticlesHave(cloud->particles, f)))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   cloud->field[FIELD_POSITION_NEW] = cloud->field[FIELD_ACCELERATION];
   cloud->field[FIELD_VELOCITY_NEW] = cloud->field[FIELD_CAPILLARY_SLOPE];

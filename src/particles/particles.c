@@ -1,7 +1,8 @@
 #include "particles.h"
 
-#define INFO_REAL(id, name, width, parity, unit, meaning) {name, width, parity, unit, meaning},
-const FieldInfo Fields[FIELD_COUNT] = {STORED_REALS(INFO_REAL) WORK_REALS(INFO_REAL)};
+#define INFO_STORED(id, name, width, parity, carry, unit, meaning) {name, width, parity, carry, unit, meaning},
+#define INFO_REAL(id, name, width, parity, unit, meaning)          {name, width, parity, CARRY_OWN, unit, meaning},
+const FieldInfo Fields[FIELD_COUNT] = {STORED_REALS(INFO_STORED) WORK_REALS(INFO_REAL)};
 #define NAME_INT(id, name, meaning)    name,
 #define MEANING_INT(id, name, meaning) meaning,
 const char *const IntFieldNames[INT_COUNT]    = {STORED_INTS(NAME_INT)};
@@ -152,10 +153,11 @@ PetscErrorCode ParticlesGlobalSize(Particles particles, PetscInt *n)
 static PetscErrorCode Rearrange(ParticleArrays *arrays, PetscInt n, const PetscInt order[])
 {
   PetscReal *real;
-  PetscInt  *integer;
+  PetscInt  *integer, widest = 1;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * DIM, &real, n, &integer));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) widest = PetscMax(widest, Fields[f].width);
+  PetscCall(PetscMalloc2(n * widest, &real, n, &integer));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     const PetscInt width = Fields[f].width;
 

@@ -2,7 +2,8 @@
 
    The table of all fields. The swarm stores the stored fields: they migrate, checkpoints hold them, and they define the
    state completely. The Cloud (floor 3) holds the work fields during a step, for owned particles and ghosts. A row:
-   identifier, name, width (numbers per particle), parity under a mirror, unit, meaning. */
+   identifier, name, width (numbers per particle), parity under a mirror, how particles that join or split carry it
+   (stored fields), unit, meaning. */
 #ifndef ISPH_PARTICLES_H
 #define ISPH_PARTICLES_H
 
@@ -18,19 +19,30 @@ typedef enum {
   PARITY_NONE    /* no image: owned particles only */
 } Parity;
 
+/* What two particles that join have of both, and the halves of one that splits of it. */
+typedef enum {
+  CARRY_OWN,       /* nothing but that of the particle that stays: found anew in the next step; halves: the same */
+  CARRY_MEAN,      /* the mean, weighted by volume; halves: the same */
+  CARRY_SUM,       /* the sum; halves: half of it */
+  CARRY_LOGARITHM, /* the mean of the logarithms, weighted by volume: a value over decades; halves: the same */
+} Carry;
+
 #define STORED_REALS(X)                                                                                                \
-  X(POSITION, "position", 3, PARITY_POINT, "m", "position")                                                            \
-  X(VELOCITY, "velocity", 3, PARITY_VECTOR, "m/s", "velocity")                                                         \
-  X(PRESSURE, "pressure", 1, PARITY_SCALAR, "Pa", "pressure of the last projection, start value of the next")          \
-  X(DENSITY, "density", 1, PARITY_SCALAR, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                           \
-  X(LAMBDA, "lambda", 1, PARITY_SCALAR, "1", "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")     \
-  X(VOLUME, "volume", 1, PARITY_SCALAR, "m3", "volume of the particle or the whole ring; stored if volumes differ")    \
-  X(SIZE, "size", 1, PARITY_SCALAR, "1", "spacing over the finest spacing; stored for graded rings")                   \
-  X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, "Pa s",                                                                  \
+  X(POSITION, "position", 3, PARITY_POINT, CARRY_MEAN, "m", "position")                                                \
+  X(VELOCITY, "velocity", 3, PARITY_VECTOR, CARRY_MEAN, "m/s", "velocity")                                             \
+  X(PRESSURE, "pressure", 1, PARITY_SCALAR, CARRY_MEAN, "Pa",                                                          \
+    "pressure of the last projection, start value of the next")                                                        \
+  X(DENSITY, "density", 1, PARITY_SCALAR, CARRY_OWN, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                \
+  X(LAMBDA, "lambda", 1, PARITY_SCALAR, CARRY_OWN, "1",                                                                \
+    "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")                                              \
+  X(VOLUME, "volume", 1, PARITY_SCALAR, CARRY_SUM, "m3",                                                               \
+    "volume of the particle or the whole ring; stored if volumes differ")                                              \
+  X(SIZE, "size", 1, PARITY_SCALAR, CARRY_OWN, "1", "spacing over the finest spacing; stored for graded rings")        \
+  X(VISCOSITY, "viscosity", 1, PARITY_SCALAR, CARRY_LOGARITHM, "Pa s",                                                 \
     "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")                         \
-  X(COLOUR, "colour", 1, PARITY_SCALAR, "1",                                                                           \
+  X(COLOUR, "colour", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                               \
     "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")              \
-  X(LINE, "line_capillary_number", 1, PARITY_SCALAR, "1",                                                              \
+  X(LINE, "line_capillary_number", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                  \
     "mu U/sigma of the contact line nearby, positive if it advances; stored with -wall_contact_law")
 
 #define STORED_INTS(X)                                                                                                 \
@@ -63,10 +75,11 @@ typedef enum {
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
   X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")
 
-#define FIELD_ENUM_REAL(id, name, width, parity, unit, meaning) FIELD_##id,
-#define FIELD_ENUM_INT(id, name, meaning)                       INT_##id,
+#define FIELD_ENUM_STORED(id, name, width, parity, carry, unit, meaning) FIELD_##id,
+#define FIELD_ENUM_REAL(id, name, width, parity, unit, meaning)          FIELD_##id,
+#define FIELD_ENUM_INT(id, name, meaning)                                INT_##id,
 typedef enum {
-  STORED_REALS(FIELD_ENUM_REAL) FIELD_STORED_COUNT,
+  STORED_REALS(FIELD_ENUM_STORED) FIELD_STORED_COUNT,
   FIELD_STORED_LAST = FIELD_STORED_COUNT - 1,
   WORK_REALS(FIELD_ENUM_REAL) FIELD_COUNT
 } FieldId;
@@ -76,6 +89,7 @@ typedef struct {
   const char *name;
   PetscInt    width;
   Parity      parity;
+  Carry       carry; /* of a stored field */
   const char *unit;
   const char *meaning;
 } FieldInfo;

@@ -44,6 +44,21 @@ static PetscReal Mean(Cloud cloud, const PetscReal value[], PetscInt a, PetscInt
   return (V[a] * value[a] + V[b] * value[b]) / (V[a] + V[b]);
 }
 
+/* What a particle with the parts of_a and of_b (1) of the volume of two others has of their values of a field. */
+static PetscReal Carried(Carry carry, PetscReal of_a, PetscReal value_a, PetscReal of_b, PetscReal value_b)
+{
+  switch (carry) {
+  case CARRY_MEAN:
+    return of_b * value_b + of_a * value_a;
+  case CARRY_SUM:
+    return value_a + value_b;
+  case CARRY_LOGARITHM:
+    return value_a > 0 && value_b > 0 ? PetscPowReal(value_a / value_b, of_a) * value_b : value_b;
+  default:
+    return value_b;
+  }
+}
+
 /* The share of a and b joined. */
 static PetscReal JoinedShare(Cloud cloud, const Change *change, PetscInt a, PetscInt b)
 {
@@ -145,24 +160,18 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
   const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * b;
   const PetscReal  dv[DIM] = {u[0] - v[0], u[1] - v[1], u[2] - v[2]};
 
-  for (PetscInt f = FIELD_POSITION; f <= FIELD_PRESSURE; f++)
-    for (PetscInt c = 0; c < Fields[f].width; c++) {
-      const PetscInt k = Fields[f].width * b + c;
-
-      change->arrays.real[f][k] = of_b * cloud->field[f][k] + of_a * cloud->field[f][Fields[f].width * a + c];
-    }
-  change->arrays.real[FIELD_VOLUME][b] = sum;
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    for (PetscInt c = 0; change->arrays.real[f] && c < Fields[f].width; c++)
+      change->arrays.real[f][Fields[f].width * b + c] =
+        Carried(Fields[f].carry, of_a, cloud->field[f][Fields[f].width * a + c], of_b,
+                cloud->field[f][Fields[f].width * b + c]);
   if (change->arrays.real[FIELD_SIZE])
     change->arrays.real[FIELD_SIZE][b] =
       cloud->domain->follow ? ShareSize(cloud, change, b, sum / V[b]) : Mean(cloud, change->unit, a, b);
-  if (change->arrays.real[FIELD_COLOUR]) {
-    const PetscReal colour = Mean(cloud, cloud->field[FIELD_COLOUR], a, b);
-    PetscInt       *body   = &change->arrays.integer[INT_BODY][b];
-
-    change->arrays.real[FIELD_COLOUR][b] = colour;
-    *body = colour >= 0.5 ? 0 : PetscMax(cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]);
-  }
-  if (change->arrays.real[FIELD_LINE]) change->arrays.real[FIELD_LINE][b] = Mean(cloud, cloud->field[FIELD_LINE], a, b);
+  if (change->arrays.real[FIELD_COLOUR])
+    change->arrays.integer[INT_BODY][b] = change->arrays.real[FIELD_COLOUR][b] >= 0.5
+                                            ? 0
+                                            : PetscMax(cloud->integer[INT_BODY][a], cloud->integer[INT_BODY][b]);
   change->changed[b] = PETSC_TRUE;
   report->energy += 0.5 * cloud->rest_density[b] * sum * of_a * of_b * Dot(dv, dv);
 }

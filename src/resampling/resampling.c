@@ -171,17 +171,15 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
     PetscReal        dv[DIM];
 
     SplitVelocity(cloud, a, at, dv);
+    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+      for (PetscInt c = 0; arrays.real[f] && c < Fields[f].width; c++)
+        arrays.real[f][Fields[f].width * b + c] =
+          (Fields[f].carry == CARRY_SUM ? 0.5 : 1) * cloud->field[f][Fields[f].width * a + c];
     for (PetscInt d = 0; d < DIM; d++) {
-      arrays.real[FIELD_POSITION][DIM * b + d] = cloud->field[FIELD_POSITION][DIM * a + d] + at[d];
-      arrays.real[FIELD_VELOCITY][DIM * b + d] = cloud->field[FIELD_VELOCITY][DIM * a + d] + dv[d];
+      arrays.real[FIELD_POSITION][DIM * b + d] += at[d];
+      arrays.real[FIELD_VELOCITY][DIM * b + d] += dv[d];
     }
-    arrays.real[FIELD_PRESSURE][b] = cloud->field[FIELD_PRESSURE][a];
-    arrays.real[FIELD_DENSITY][b]  = cloud->field[FIELD_DENSITY][a];
-    arrays.real[FIELD_LAMBDA][b]   = cloud->field[FIELD_LAMBDA][a];
-    arrays.real[FIELD_VOLUME][b]   = 0.5 * cloud->volume[a];
     if (arrays.real[FIELD_SIZE]) arrays.real[FIELD_SIZE][b] = ShareSize(cloud, change, a, 0.5);
-    if (arrays.real[FIELD_COLOUR]) arrays.real[FIELD_COLOUR][b] = cloud->field[FIELD_COLOUR][a];
-    if (arrays.real[FIELD_LINE]) arrays.real[FIELD_LINE][b] = cloud->field[FIELD_LINE][a];
     arrays.integer[INT_ID][b] = arrays.integer[INT_PARENT][b] = id[k];
     arrays.integer[INT_BODY][b]                               = cloud->integer[INT_BODY][a];
     arrays.integer[INT_SURFACE][b]                            = cloud->integer[INT_SURFACE][a];
@@ -215,10 +213,8 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
   *report = (ResamplingReport){.joined = 0};
-  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
-  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
-  if (ParticlesHave(cloud->particles, FIELD_COLOUR)) PetscCall(CloudUpdate(cloud, FIELD_COLOUR));
-  if (ParticlesHave(cloud->particles, FIELD_LINE)) PetscCall(CloudUpdate(cloud, FIELD_LINE));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (Fields[f].carry != CARRY_OWN && ParticlesHave(cloud->particles, f)) PetscCall(CloudUpdate(cloud, (FieldId)f));
   if (cloud->domain->follow) PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
   PetscCall(ChangeCreate(cloud, resampling, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)

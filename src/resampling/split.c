@@ -149,7 +149,9 @@ PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *cha
     if (!FindPlace(cloud, a, change, at)) continue;
     SplitVelocity(cloud, a, at, dv);
     change->parent[change->split++] = a;
-    arrays->real[FIELD_VOLUME][a] *= 0.5;
+    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+      for (PetscInt c = 0; arrays->real[f] && Fields[f].carry == CARRY_SUM && c < Fields[f].width; c++)
+        arrays->real[f][Fields[f].width * a + c] *= 0.5;
     if (arrays->real[FIELD_SIZE]) arrays->real[FIELD_SIZE][a] = ShareSize(cloud, change, a, 0.5);
     for (PetscInt d = 0; d < DIM; d++) {
       arrays->real[FIELD_POSITION][DIM * a + d] -= at[d];

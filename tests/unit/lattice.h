@@ -4,17 +4,18 @@
 
 #include "../../src/output/output.h"
 #include "refuse.h"
+#include "setup.h"
 #include <string.h>
 
 #define D0 0.5e-3 /* spacing of the lattice, m */
 
 typedef struct {
-  Domain    domain;
+  Setup     set;
+  Domain    domain; /* of it ... */
   Scene     scene;
-  Kernel    kernel;
   Particles particles;
   Cloud     cloud;
-  Gauges    gauges;
+  Gauges    gauges; /* ... and its own */
   Output    output;
 } Run;
 
@@ -23,18 +24,11 @@ static MPI_Comm world; /* of the runs: all ranks, or this one alone */
 static inline PetscErrorCode RunCreate(const char options[], Run *run)
 {
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(run, sizeof(*run)));
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(DomainCreate(world, &run->domain));
-  PetscCall(DomainSetFromOptions(run->domain));
-  PetscCall(SceneCreate(run->domain, &run->scene));
-  PetscCall(SceneSetFromOptions(run->scene));
-  PetscCall(KernelCreate(world, run->domain->dim, &run->kernel));
-  PetscCall(KernelSetSmoothingLength(run->kernel, 1.3 * run->domain->spacing));
-  PetscCall(DomainSetUp(run->domain, KernelSupport(run->kernel)));
-  PetscCall(ParticlesCreate(run->domain, PETSC_FALSE, PETSC_FALSE, &run->particles));
-  PetscCall(CloudCreate(run->domain, run->scene, run->kernel, run->particles, KernelSupport(run->kernel), &run->cloud));
+  PetscCall(SetupOpenOn(world, options, &run->set));
+  run->domain    = run->set.domain;
+  run->scene     = run->set.scene;
+  run->particles = run->set.particles;
+  run->cloud     = run->set.cloud;
   PetscCall(GaugesCreate(run->cloud, &run->gauges));
   PetscCall(GaugesSetFromOptions(run->gauges));
   PetscCall(OutputCreate(run->cloud, run->gauges, &run->output));
@@ -47,11 +41,7 @@ static inline PetscErrorCode RunDestroy(Run *run)
   PetscFunctionBegin;
   PetscCall(OutputDestroy(&run->output));
   PetscCall(GaugesDestroy(&run->gauges));
-  PetscCall(CloudDestroy(&run->cloud));
-  PetscCall(ParticlesDestroy(&run->particles));
-  PetscCall(KernelDestroy(&run->kernel));
-  PetscCall(SceneDestroy(&run->scene));
-  PetscCall(DomainDestroy(&run->domain));
+  PetscCall(SetupClose(&run->set));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -15,27 +15,28 @@ typedef struct {
   Particles particles;
   Cloud     cloud;
   Pressure  pressure; /* NULL until asked for */
+  /* of SetupPack */
+  PackingReport report;
+  PetscInt      global; /* particles of all ranks */
 } Setup;
 
-/* SetupOpen - everything below the particles, as the program does it; the swarm is empty. Nothing evens a packing out
-   here, so its jitter is half of the default unless the options name one. */
-static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
+/* SetupOpenOn - everything below the particles, as the program does it; the swarm is empty. SetupOpen - on all ranks.
+   Nothing evens a packing out there, so its jitter is half of the default unless the options name one. */
+static inline PetscErrorCode SetupOpenOn(MPI_Comm comm, const char options[], Setup *s)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, "-packing_jitter 0.1"));
-  PetscCall(PetscOptionsInsertString(NULL, options));
   PetscCall(PetscMemzero(s, sizeof(*s)));
-  PetscCall(DomainCreate(PETSC_COMM_WORLD, &s->domain));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(DomainCreate(comm, &s->domain));
   PetscCall(DomainSetFromOptions(s->domain));
-  PetscCall(KernelCreate(PETSC_COMM_WORLD, s->domain->dim, &s->kernel));
+  PetscCall(KernelCreate(comm, s->domain->dim, &s->kernel));
   PetscCall(KernelSetFromOptions(s->kernel, s->domain->spacing));
   PetscCall(SceneCreate(s->domain, &s->scene));
   PetscCall(SceneSetFromOptions(s->scene));
   PetscCall(TensionCreate(s->domain, s->scene, s->kernel, &s->tension));
   PetscCall(TensionSetFromOptions(s->tension));
-  PetscCall(ParticlesCreate(s->domain, SceneViscosityVaries(s->scene),
-                            s->tension ? TensionHasLaw(s->tension) : PETSC_FALSE, &s->particles));
+  PetscCall(ParticlesCreate(s->domain, SceneViscosityVaries(s->scene), TensionHasLaw(s->tension), &s->particles));
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles,
                         PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));
@@ -43,18 +44,44 @@ static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* SetupPack - fills the bodies and the walls by the packing the options name. */
-static inline PetscErrorCode SetupPack(const char options[], Setup *s)
+static inline PetscErrorCode SetupOpen(const char options[], Setup *s)
 {
-  Packing       packing;
-  PackingReport report;
+  char all[4096];
 
   PetscFunctionBegin;
-  PetscCall(SetupOpen(options, s));
+  PetscCall(PetscSNPrintf(all, sizeof(all), "-packing_jitter 0.1 %s", options));
+  PetscCall(SetupOpenOn(PETSC_COMM_WORLD, all, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* SetupPackIn - fills the bodies and the walls of what is open by the packing that the options name. SetupPackOn,
+   SetupPack - opens and fills. */
+static inline PetscErrorCode SetupPackIn(Setup *s)
+{
+  Packing packing;
+
+  PetscFunctionBegin;
   PetscCall(PackingCreate(s->cloud, &packing));
   PetscCall(PackingSetFromOptions(packing));
-  PetscCall(PackingRun(packing, &report));
+  PetscCall(PackingRun(packing, &s->report));
   PetscCall(PackingDestroy(&packing));
+  PetscCall(ParticlesGlobalSize(s->particles, &s->global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode SetupPackOn(MPI_Comm comm, const char options[], Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupOpenOn(comm, options, s));
+  PetscCall(SetupPackIn(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode SetupPack(const char options[], Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(options, s));
+  PetscCall(SetupPackIn(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

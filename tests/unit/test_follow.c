@@ -214,12 +214,76 @@ static PetscErrorCode TestRings(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How a field is carried. A colour is a part of the volume, whatever its row says. */
+static Carry CarryOf(PetscInt f)
+{
+  return f == FIELD_COLOUR ? CARRY_MEAN : Fields[f].carry;
+}
+
+/* What of each stored field joins and splits keep, from the meaning of its row alone: the sum, the mean over the
+   volume, or that of the logarithm; 0: nothing. A field that a new row stores is tested with the others. */
+static void SumCarried(Cloud cloud, PetscReal sum[FIELD_STORED_COUNT])
+{
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    sum[f] = 0;
+    if (f == FIELD_POSITION || !ParticlesHave(cloud->particles, f)) continue; /* places even out after splits */
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      for (PetscInt c = 0; c < Fields[f].width; c++) {
+        const PetscReal x = cloud->field[f][Fields[f].width * a + c], V = cloud->volume[a];
+
+        if (CarryOf(f) == CARRY_SUM) sum[f] += x;
+        if (CarryOf(f) == CARRY_MEAN) sum[f] += (c + 1) * V * x;
+        if (CarryOf(f) == CARRY_LOGARITHM) sum[f] += V * PetscLogReal(x);
+      }
+    sum[f] = SetupSum(sum[f]);
+  }
+}
+
+/* Joins, then splits, of particles that differ in every stored field. */
+static PetscErrorCode TestCarried(void)
+{
+  Setup            s;
+  ParticleArrays   arrays;
+  Resampling       resampling;
+  ResamplingReport report;
+  PetscReal        before[FIELD_STORED_COUNT], after[FIELD_STORED_COUNT];
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(POOL "-spacing_follow surface -drop_center 0,0,24 -drop_radius 4.5 -box_upper 40,40,40 "
+                           "-film_upper 40,40,10 -wall_contact_law cox_voinov -film_viscosity_model carreau "
+                           "-film_viscosity_infinite 0.1 -film_viscosity_time 1 -film_viscosity_exponent 0.5 ",
+                      &s));
+  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
+  for (PetscInt turn = 0; turn < 2; turn++) {
+    PetscCall(ParticlesOpen(s.particles, &arrays));
+    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+      for (PetscInt k = 0; arrays.real[f] && k < arrays.n * Fields[f].width; k++)
+        if (f > FIELD_POSITION && (CarryOf(f) == CARRY_MEAN || CarryOf(f) == CARRY_LOGARITHM))
+          arrays.real[f][k] =
+            0.5 + 0.4 * PetscSinReal((PetscReal)(7 * arrays.integer[INT_ID][k / Fields[f].width] + f));
+    PetscCall(ParticlesClose(s.particles, &arrays));
+    PetscCall(CloudResync(s.cloud));
+    SumCarried(s.cloud, before);
+    s.domain->follow = turn ? FOLLOW_SURFACE : FOLLOW_CURVATURE;
+    PetscCall(SetupMoments(&s));
+    PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
+    PetscCall(Resample(s.cloud, &resampling, &report));
+    CHECK((turn ? report.split : report.joined) > 100, turn ? "many split" : "many join");
+    SumCarried(s.cloud, after);
+    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+      CHECK_CLOSE(after[f], before[f], 1e-11 * (1 + PetscAbsReal(before[f])), Fields[f].name);
+  }
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestTarget());
   PetscCall(TestKept());
+  PetscCall(TestCarried());
   PetscCall(TestRings());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

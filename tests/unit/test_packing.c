@@ -1,63 +1,9 @@
 /* Packing: the lattice and its walls against what one can count, the Poisson packing against its goals, the cache
    against the original. Everything made on all ranks is compared by id with the same made on one. */
-#include "../../src/packing/packing_impl.h"
+#include "setup.h"
 #include "check.h"
 
 #define CACHE_FOLDER "output/build/tests/packing_cache"
-
-typedef struct {
-  Domain        domain;
-  Scene         scene;
-  Kernel        kernel;
-  Particles     particles;
-  Cloud         cloud;
-  PackingReport report;
-  PetscInt      global;
-} Setup;
-
-/* What a packing fills. */
-static PetscErrorCode SetupScene(MPI_Comm comm, const char options[], Setup *s)
-{
-  PetscFunctionBeginUser;
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(DomainCreate(comm, &s->domain));
-  PetscCall(DomainSetFromOptions(s->domain));
-  PetscCall(KernelCreate(comm, s->domain->dim, &s->kernel));
-  PetscCall(KernelSetFromOptions(s->kernel, s->domain->spacing));
-  PetscCall(SceneCreate(s->domain, &s->scene));
-  PetscCall(SceneSetFromOptions(s->scene));
-  PetscCall(DomainSetUp(s->domain, KernelSupport(s->kernel)));
-  PetscCall(ParticlesCreate(s->domain, PETSC_FALSE, PETSC_FALSE, &s->particles));
-  PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles, KernelSupport(s->kernel), &s->cloud));
-  PetscCall(CloudSetFromOptions(s->cloud));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SetupCreate(MPI_Comm comm, const char options[], Setup *s)
-{
-  Packing packing;
-
-  PetscFunctionBeginUser;
-  PetscCall(SetupScene(comm, options, s));
-  PetscCall(PackingCreate(s->cloud, &packing));
-  PetscCall(PackingSetFromOptions(packing));
-  PetscCall(PackingRun(packing, &s->report));
-  PetscCall(PackingDestroy(&packing));
-  PetscCall(ParticlesGlobalSize(s->particles, &s->global));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SetupDestroy(Setup *s)
-{
-  PetscFunctionBeginUser;
-  PetscCall(CloudDestroy(&s->cloud));
-  PetscCall(ParticlesDestroy(&s->particles));
-  PetscCall(SceneDestroy(&s->scene));
-  PetscCall(KernelDestroy(&s->kernel));
-  PetscCall(DomainDestroy(&s->domain));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Fluid particles of all ranks, the sum over the fluid of position component d, and the smallest and largest of it. */
 static PetscErrorCode Fluid(Setup *s, PetscInt d, PetscInt *count, PetscReal range[2])
@@ -126,15 +72,15 @@ static PetscErrorCode TestRanks(const char name[], const char options[])
   char      text[128];
 
   PetscFunctionBeginUser;
-  PetscCall(SetupCreate(PETSC_COMM_WORLD, options, &parts));
-  PetscCall(SetupCreate(PETSC_COMM_SELF, options, &whole));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, options, &parts));
+  PetscCall(SetupPackOn(PETSC_COMM_SELF, options, &whole));
   PetscCall(Compare(&parts, &whole, &position, &integers));
   PetscCall(PetscSNPrintf(text, sizeof(text), "%s: positions alike on any number of ranks", name));
   CHECK_CLOSE(position, 0, 0, text);
   PetscCall(PetscSNPrintf(text, sizeof(text), "%s: ids, bodies, layers, parents alike on any number of ranks", name));
   CHECK_CLOSE(integers, 0, 0, text);
-  PetscCall(SetupDestroy(&parts));
-  PetscCall(SetupDestroy(&whole));
+  PetscCall(SetupClose(&parts));
+  PetscCall(SetupClose(&whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,7 +146,7 @@ static PetscErrorCode TestLattice(void)
   PetscReal range[2];
 
   PetscFunctionBeginUser;
-  PetscCall(SetupCreate(PETSC_COMM_SELF, FILM "-packing_jitter 0", &s));
+  PetscCall(SetupPackOn(PETSC_COMM_SELF, FILM "-packing_jitter 0", &s));
   PetscCall(Fluid(&s, 1, &count, range));
   CHECK_CLOSE(count, 10 * 10 * 5, 0, "film: fluid particles"); /* 0.96 / 0.1 rounds to 10 */
   CHECK_CLOSE(range[0], 0.048, 1e-12, "film: the lattice is fitted to the periodic direction, lower end");
@@ -210,23 +156,23 @@ static PetscErrorCode TestLattice(void)
   CHECK_CLOSE(s.report.smallest_distance, 0.96, 1e-12, "film: smallest distance, across the periodic face too");
   CHECK(s.report.iterations == 0 && !s.report.cached, "film: no iterations, no cache");
   PetscCall(CheckWalls(&s, "film"));
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
-  PetscCall(SetupCreate(PETSC_COMM_SELF, FILM, &s));
+  PetscCall(SetupPackOn(PETSC_COMM_SELF, FILM, &s));
   CHECK(s.report.smallest_distance > 0.56 && s.report.smallest_distance < 0.66,
         "film: the default jitter is 0.2 spacings");
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
   /* a sphere clear of all faces, off the box's lattice: symmetric about its centre; and a quarter of it on symmetry
      planes */
-  PetscCall(SetupCreate(PETSC_COMM_SELF,
+  PetscCall(SetupPackOn(PETSC_COMM_SELF,
                         "-spacing 0.1 -box_lower -1,-1,-1 -box_upper 1,1,1 -bodies b -b_shape sphere -b_radius 0.4 "
                         "-b_center 0.03,0,0 -packing_jitter 0",
                         &s));
   PetscCall(Fluid(&s, 0, &count, range));
   CHECK_CLOSE(range[0] + range[1], 0.06, 1e-12, "sphere: symmetric about its centre");
-  PetscCall(SetupDestroy(&s));
-  PetscCall(SetupCreate(PETSC_COMM_SELF,
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupPackOn(PETSC_COMM_SELF,
                         "-spacing 0.1 -box_lower 0,0,-1 -box_upper 1,1,1 -box_xmin symmetry -box_ymin symmetry -bodies "
                         "b -b_shape sphere -b_radius 0.4 -packing_jitter 0",
                         &s));
@@ -238,9 +184,9 @@ static PetscErrorCode TestLattice(void)
     CHECK_CLOSE(4 * quarter, count, 0, "sphere: a quarter between symmetry planes has a quarter of the particles");
     CHECK_CLOSE(low[0], 0.05, 1e-12, "sphere: half a spacing from the symmetry plane");
   }
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
-  PetscCall(SetupCreate(PETSC_COMM_SELF,
+  PetscCall(SetupPackOn(PETSC_COMM_SELF,
                         "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall "
                         "-box_ymax_velocity 1,0 -bodies b -packing_jitter 0.1",
                         &s));
@@ -249,7 +195,7 @@ static PetscErrorCode TestLattice(void)
   CHECK_CLOSE(count, 100, 0, "tank in two dimensions: fluid");
   CHECK(range[0] == 0 && range[1] == 0, "tank in two dimensions: everything in the plane");
   PetscCall(CheckWalls(&s, "tank"));
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -266,7 +212,7 @@ static PetscErrorCode TestPoisson(void)
   PetscMPIInt rank;
 
   PetscFunctionBeginUser;
-  PetscCall(SetupCreate(PETSC_COMM_WORLD, DROP "-packing_cache \"\"", &s));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, DROP "-packing_cache \"\"", &s));
   PetscCall(Fluid(&s, 0, &count, range));
   CHECK_CLOSE(count, 4. / 3. * PETSC_PI * 216, 4, "drop: as many particles as fit its volume");
   CHECK(s.report.density_std <= 0.11 * 1.001, "drop: standard deviation of the density at most 0.11 kg/m3");
@@ -274,9 +220,9 @@ static PetscErrorCode TestPoisson(void)
   CHECK(s.report.smallest_distance >= 0.6, "drop: nobody closer than 0.6 spacings");
   CHECK(s.report.iterations > 0, "drop: TAO was at work");
   CHECK(range[0] > -1.5e-3 && range[1] < 1.5e-3, "drop: inside the sphere");
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
-  PetscCall(SetupCreate(PETSC_COMM_WORLD,
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD,
                         FILM "-packing_type poisson -packing_distance 0.5 -packing_tolerance 1e-3 -packing_cache \"\"",
                         &s));
   PetscCall(Fluid(&s, 2, &count, range));
@@ -284,40 +230,40 @@ static PetscErrorCode TestPoisson(void)
   CHECK(s.report.density_std <= 1.001, "film: standard deviation below -packing_tolerance, between walls and images");
   CHECK(s.report.smallest_distance >= 0.5, "film: nobody closer than -packing_distance");
   CHECK(range[0] > 0 && range[1] < 0.5, "film: between floor and surface");
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
   /* Trials of the line search that throw particles far out of the box are refused. */
-  PetscCall(SetupCreate(PETSC_COMM_WORLD,
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD,
                         FILM "-packing_type poisson -packing_cache \"\" -packing_tao_type cg -packing_tao_max_it 3 "
                              "-packing_tao_cg_delta_min 1e4 -packing_tao_cg_delta_max 1e4",
                         &s));
   PetscCall(Fluid(&s, 2, &count, range));
   CHECK_CLOSE(count, 480, 1, "film, steps too long: every particle is still there");
   CHECK(range[0] > 0 && range[1] < 0.5, "film, steps too long: between floor and surface");
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
 
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) PetscCall(PetscRMTree(CACHE_FOLDER));
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
-  PetscCall(SetupCreate(PETSC_COMM_WORLD, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &first));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &first));
   CHECK(!first.report.cached && first.report.iterations > 0, "cache: the first run computes");
-  PetscCall(SetupCreate(PETSC_COMM_WORLD, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &s));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &s));
   CHECK(s.report.cached && s.report.iterations == 0, "cache: the second run reads");
   CHECK(s.report.density_std <= 2.2 * 1.001, "cache: the density is as good");
-  PetscCall(SetupCreate(PETSC_COMM_SELF, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &again));
+  PetscCall(SetupPackOn(PETSC_COMM_SELF, DROP "-packing_tolerance 2e-3 -packing_cache " CACHE_FOLDER, &again));
   PetscCall(Compare(&first, &again, &position, &integers));
   CHECK_CLOSE(position, 0, 0, "cache: the same positions to the last bit");
   CHECK_CLOSE(integers, 0, 0, "cache: the same ids and bodies");
-  PetscCall(SetupDestroy(&again));
-  PetscCall(SetupDestroy(&first));
-  PetscCall(SetupDestroy(&s));
-  PetscCall(SetupCreate(PETSC_COMM_WORLD,
+  PetscCall(SetupClose(&again));
+  PetscCall(SetupClose(&first));
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD,
                         DROP "-packing_tolerance 2e-3 -packing_tao_ls_max_funcs 29 -packing_cache " CACHE_FOLDER, &s));
   CHECK(!s.report.cached, "cache: not read with another option of TAO");
-  PetscCall(SetupDestroy(&s));
-  PetscCall(SetupCreate(PETSC_COMM_WORLD, DROP "-packing_tolerance 3e-3 -packing_seed 5 -packing_cache \"\"", &s));
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, DROP "-packing_tolerance 3e-3 -packing_seed 5 -packing_cache \"\"", &s));
   CHECK(!s.report.cached, "cache: not read when switched off");
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,13 +276,13 @@ static PetscErrorCode FindKey(const char options[], const char change[], unsigne
 
   PetscFunctionBeginUser;
   PetscCall(PetscSNPrintf(all, sizeof(all), "%s%s", options, change));
-  PetscCall(SetupScene(PETSC_COMM_WORLD, all, &s));
+  PetscCall(SetupOpenOn(PETSC_COMM_WORLD, all, &s));
   PetscCall(PackingCreate(s.cloud, &packing));
   PetscCall(PackingSetFromOptions(packing));
   if (s.domain->graded) PetscCall(GradedSetUp(packing));
   PetscCall(PackingHash(packing, "", key));
   PetscCall(PackingDestroy(&packing));
-  PetscCall(SetupDestroy(&s));
+  PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -429,9 +375,9 @@ static PetscErrorCode TestKeysOfPoisson(void)
                     "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall "
                     "-bodies a -a_upper 1,0.5 -packing_type poisson -packing_tolerance 5e-3 -packing_cache %s %s",
                     CACHE_FOLDER, changes[k]));
-    PetscCall(SetupCreate(PETSC_COMM_WORLD, options, &s));
+    PetscCall(SetupPackOn(PETSC_COMM_WORLD, options, &s));
     CHECK(s.report.cached == (k == 1), k == 1 ? "cache: read again" : k ? changes[k] : "cache: new");
-    PetscCall(SetupDestroy(&s));
+    PetscCall(SetupClose(&s));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
