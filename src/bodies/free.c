@@ -198,7 +198,28 @@ static PetscErrorCode Destroy(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define FREE "-<solid>_mass"
+
+static PetscBool HasFree(Scene scene, Tension tension)
+{
+  return (PetscBool)(scene && SceneHasFree(scene));
+}
+
+static const Feature features[] = {{FREE, HasFree}, {.name = NULL}};
+static const Refusal refusals[] = {
+  {FREE, NOT_WITH, FEATURE_DENSITIES, " yet"},
+  {FREE, NOT_WITH, FEATURE_FRAME, " yet"},
+  {"-ksp_type preonly", NOT_WITH, FREE,
+   ": the body's part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
+  {"-ksp_type none", NOT_WITH, FREE,
+   ": the body's part of the pressure equation is not in the preconditioner; -ksp_type cg can"},
+  {FREE, NEEDS, FEATURE_DIVERGENCE, ", the default"},
+  {.one = NULL},
+};
+
 const Edge FreeEdge = {.name      = FREE_EDGE,
+                       .features  = features,
+                       .refusals  = refusals,
                        .on        = On,
                        .create    = Create,
                        .destroy   = Destroy,

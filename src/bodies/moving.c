@@ -146,12 +146,29 @@ static PetscBool On(Stepper stepper)
   return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }
 
-const Edge MovingEdge = {.name    = "moving",
-                         .on      = On,
-                         .drives  = Drives,
-                         .check   = Check,
-                         .save    = Save,
-                         .restore = Restore,
-                         .drift   = Drift,
-                         .drag    = Drag,
-                         .kick    = Kick};
+#define MOVING "a solid that moves"
+
+static PetscBool Moves(Scene scene, Tension tension)
+{
+  return (PetscBool)(scene && SceneSolidsMove(scene));
+}
+
+static const Feature features[] = {{MOVING, Moves}, {.name = NULL}};
+static const Refusal refusals[] = {
+  {MOVING, NOT_WITH, FEATURE_FIXED, ": it would leave the fine region"},
+  {MOVING, NEEDS, FEATURE_CONSISTENT, ", the default"},
+  {MOVING, NEEDS, FEATURE_CENTERED, ", the default"},
+  {.one = NULL},
+};
+
+const Edge MovingEdge = {.name     = "moving",
+                         .features = features,
+                         .refusals = refusals,
+                         .on       = On,
+                         .drives   = Drives,
+                         .check    = Check,
+                         .save     = Save,
+                         .restore  = Restore,
+                         .drift    = Drift,
+                         .drag     = Drag,
+                         .kick     = Kick};

@@ -39,7 +39,19 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define EMITTERS "-<body>_type emitter"
+
+static PetscBool Emits(Scene scene, Tension tension)
+{
+  return (PetscBool)(scene && SceneComesLater(scene));
+}
+
+static const Feature features[] = {{EMITTERS, Emits}, {.name = NULL}};
+static const Refusal refusals[] = {{FEATURE_POISSON, NOT_WITH, EMITTERS, "; use -packing_type lattice"}, {.one = NULL}};
+
 const Edge EmitterEdge = {.name        = EMITTERS_EDGE,
+                          .features    = features,
+                          .refusals    = refusals,
                           .data_size   = sizeof(Emissions),
                           .number_size = sizeof(PetscReal),
                           .numbers     = rows,

@@ -44,4 +44,30 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge ContactEdge = {.name = NAME, .data_size = sizeof(Line), .on = On, .kick = Kick, .doubt = Doubt};
+#define HYSTERESIS "a contact angle with hysteresis"
+#define LAW        "-wall_contact_law"
+
+static PetscBool HasHysteresis(Scene scene, Tension tension)
+{
+  return (PetscBool)(tension && TensionHasHysteresis(tension));
+}
+
+static PetscBool HasLaw(Scene scene, Tension tension)
+{
+  return (PetscBool)(tension && TensionHasLaw(tension));
+}
+
+static const Feature features[] = {{HYSTERESIS, HasHysteresis}, {LAW, HasLaw}, {.name = NULL}};
+static const Refusal refusals[] = {
+  {HYSTERESIS, NEEDS, FEATURE_CONSISTENT, ", the default"},
+  {LAW, NEEDS, FEATURE_CONSISTENT, ", the default"},
+  {.one = NULL},
+};
+
+const Edge ContactEdge = {.name      = NAME,
+                          .features  = features,
+                          .refusals  = refusals,
+                          .data_size = sizeof(Line),
+                          .on        = On,
+                          .kick      = Kick,
+                          .doubt     = Doubt};

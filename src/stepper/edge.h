@@ -46,6 +46,29 @@ typedef struct {
   PetscInt       lost; /* particles that left through open faces, after acceptance */
 } StepTrial;
 
+/* A feature that scenes may have, by the name that the user writes; those that are options need no row. What cannot be
+   used together: 'one' not with 'other', or not without it, where 'other' is a default; 'rest' ends the sentence. The
+   last row has no name. sim/refusals.c has the features and refusals of the core. */
+typedef struct {
+  const char *name;
+  PetscBool (*on)(Scene scene, Tension tension); /* NULL: not made yet */
+} Feature;
+typedef enum { NOT_WITH, NEEDS } Relation;
+typedef struct {
+  const char *one;
+  Relation    relation;
+  const char *other, *rest;
+} Refusal;
+
+/* Names of features of several folders. */
+#define FEATURE_FIXED      "-spacing_coarse without -spacing_follow"
+#define FEATURE_DENSITIES  "bodies of different -<body>_density"
+#define FEATURE_FRAME      "-frame_rotation_rate"
+#define FEATURE_POISSON    "-packing_type poisson"
+#define FEATURE_CONSISTENT "-scheme " SCHEME_CONSISTENT
+#define FEATURE_CENTERED   "-time_centered"
+#define FEATURE_DIVERGENCE "-pressure_source " SOURCE_DIVERGENCE
+
 /* What an edge adds to a step, in a folder or file of its own and one line of hooks.c. A hook is called if 'on' says
    that the run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and
    'report' are collective. */
@@ -59,6 +82,8 @@ typedef struct {
   size_t           number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
   const NumberRow *numbers;     /* their rows */
   NumberTable      table;       /* numbers that it keeps in the scene; no name: none */
+  const Feature   *features;    /* NULL: none */
+  const Refusal   *refusals;    /* the same */
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
   PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
                            size_t length);
@@ -98,6 +123,8 @@ typedef struct {
   /* after the step has been accepted */
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
 } Edge;
+
+extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
 /* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperTension, StepperPressure - those
    of StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step

@@ -145,7 +145,6 @@ PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], Pet
 
 /* --- hooks.c --- */
 
-extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
 /* --- state.c --- */
 
