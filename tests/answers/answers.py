@@ -6,6 +6,7 @@ import math
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 
@@ -108,6 +109,11 @@ HOLDS = (
     ("static_line", LAW, "viscosity", ""),
     ("same_angle_said_twice", ANGLE + "-box_xmin_contact_angle 60", "rings", ""),
     ("another_angle", ANGLE + "-box_xmin_contact_angle 70", "across y", "rings, across x"))
+# Liquid like that around it, which an interface tension keeps apart.
+DROP_IN_LIKE = "-dimension 2 -spacing 0.05 -box_lower -1,0 -box_upper 1,1 -box_x wall -box_ymin wall -bodies a,b " \
+    "-bodies_overlap -a_shape sphere -a_radius 0.2 -a_center 0.4,0.4 -b_upper 1,0.8 -a_tension 1 -b_tension 1 " \
+    "-interface_tension 1 -interface_bodies a -time_end 1 "
+HOLDS += (("drop_in_liquid_like_it", DROP_IN_LIKE, "", "across x"),)
 # (scene, quantity, its value in the whole scene, the model that carries it back)
 FIGURES = (
     ("weight_on_a_half", TANK.format("0.3"), "force_zmin_z:mean=0.1,0.2", -1000 * 9.81 * 0.6, "half"),
@@ -148,6 +154,8 @@ def ladders():
     runs.check(noisy.bar > 0.05, "only_chance", noisy.words)
     runs.check(math.isinf(ladder.Verdict([(1, [2.0, 2.1])]).bar), "one_spacing_has_no_bar")
     runs.check(math.isinf(ladder.Verdict([(2, [2.0]), (1, [2.1])]).bar), "one_packing_has_no_bar")
+    one = ladder.Verdict([(2, [1.0, 3.0]), (1, [1.0, 2.0, 3.0])])  # variances 2 and 1
+    runs.check_within(one.chance, 4 / 3 - 1e-9, 4 / 3 + 1e-9, "chance_of_the_mean_of_three")
     inside = 0
     for seed in range(200):
         draw = random.Random(seed)
@@ -179,6 +187,11 @@ def quantities():
         one.find(rows)
         said = one.remarks(creep if text == "a:end" else series)
         runs.check(words in " ".join(said), f"remark_{text}", str(said))
+    late = {"time": [1, 2, 3], "a": [1, 2, 3]}
+    refused(lambda: quantity.Quantity("a:mean=0,2").of(late), "times from 1 to 3 s", "refuses_a_mean_before_the_start")
+    words = quantity.ends(quantity.read("a:rest"), {"time_start": 1, "time_end": 2})
+    runs.check(words[:2] == ["-time_end", "21"], "a_value_at_rest_has_twenty_times_the_time", str(words))
+    runs.check(study.values_of("1..3/3") == ["1", "2", "3"], "range_of_a_study", str(study.values_of("1..3/3")))
     one = quantity.Quantity("p:end")
     one.find(rows)
     runs.check(not one.remarks(series), "no_remark", str(one.remarks(series)))
@@ -310,6 +323,10 @@ def carries():
     rings = reduce.rings(known, {"about": "z", "center": [0, 0, 0], "particles": 0.1})
     plane = reduce.plane(known, "y")
     half = reduce.mirrored(known, [{"across": "x", "gone": []}])
+    quarter = reduce.Scene(os.path.join(runs.ROOT, "cases", "dry_wall", "case.opts"))
+    back = reduce.rings(quarter, {"about": "z", "center": quarter.domain["lower"], "particles": 0.1}).carry(
+        row("kinetic_energy"))
+    runs.check(quarter.copies == 4 and back == ("kinetic_energy", 1), "rings_of_a_quarter", f"{back}, {quarter.copies}")
     for column, wanted in (
             (row("kinetic_energy"), (("kinetic_energy", 1), ("kinetic_energy", 0.5), ("kinetic_energy", 1))),
             (row("force_zmin_z", of="face", whose="zmin", direction="z"),
@@ -413,12 +430,33 @@ def resting(times, curve):
         curve[times <= t])), math.inf)
 
 
+def keys():
+    """Another program, or another content of a file, is another run."""
+    path, other = scene("keys", TANK.format("0.3")), runs.scratch("isph")
+    marks = [launch.mark_of.__wrapped__(path)]
+    shutil.copy(launch.program(), other)
+    before = os.environ.get("ISPH")
+    os.environ["ISPH"] = other
+    marks.append(launch.mark_of.__wrapped__(path))
+    with open(other, "ab") as file:
+        file.write(b"another")
+    marks.append(launch.mark_of.__wrapped__(path))
+    os.environ.pop("ISPH")
+    if before:
+        os.environ["ISPH"] = before
+    runs.check(marks[0] == marks[1] != marks[2], "key_of_the_program", str(marks))
+
+
 def coarse():
     """The ladder begins where the smallest body has twelve spacings across, dear ones coarser."""
     for spacings, due in (([48, 17.1], 1), ([48], 4), ([12], 0), ([8], -2), ([1e6], answer.COARSEST), ([], 0)):
         found = answer.coarseness({"bodies": [{"spacings": one} for one in spacings]}, 12)
         runs.check(found == due, f"coarse_{spacings}", str(found))
-    path, (q,), arguments, _ = asked("first", TANK.format("0.3"), "highest:max", 100)
+    path, (q,), arguments, known = asked("first", TANK.format("0.3"), "highest:max", 100)
+    proof = answer.Proof(path, [q], arguments, known)
+    for cheaper, cpu, due in ((1, 1, 0.2), (50, 1, 0.02), (500, 1, None)):  # 10 s of 100 for two runs of the whole
+        found = proof.short(argparse.Namespace(cheaper=cheaper), [argparse.Namespace(cpu=cpu)])[0]
+        runs.check(found == due or due and abs(found / due - 1) < 1e-9, f"time_of_a_proof_{cheaper}", str(found))
     found = answer.Answer(path, [q], arguments)
     for coarser, price, due in ((3, None, -3), (-2, None, 0), (-2, (0.1, 0.1), 2), (-2, (0.1, 1), 0),
                                 (0, (0.1, 1e3), -answer.COARSEST)):
@@ -451,6 +489,9 @@ def rests():
     late = slit + f"-solids p -p_shape sphere -p_radius 0.1 -p_center 0.2,0.4 -p_motion_file {table}"
     runs.check_within(runs.series(runs.run(f"-options_file {scene('late', late)} -stop_at_rest", "late"))["time"][-1],
                       2.999, 3.001, "what_is_to_move_does_not_rest")
+    gone = slit + "-gauge_neck y -stop_at_rest kinetic_energy,neck_diameter"  # there is no neck
+    runs.check_within(runs.series(runs.run(f"-options_file {scene('gone', gone)}", "gone"))["time"][-1], 2.999, 3.001,
+                      "a_column_without_a_value_does_not_rest")
     path, quantities, arguments, known = asked("at_rest", slit.replace("-time_end 3", "-time_end 0.2"),
                                                "kinetic_energy:rest")
     quantities[0].find(known["columns"])
@@ -493,7 +534,8 @@ def models():
 
 PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
          "holds": holds, "figures": figures, "squares": squares, "carries": carries,
-         "rests": rests, "coarse": coarse, "packings": packings}
+         "rests": rests, "coarse": coarse, "packings": packings,
+         "keys": keys}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
