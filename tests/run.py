@@ -8,7 +8,8 @@ tests/table.txt has a row for each: its ranks, its seconds, the set it belongs t
 
     --check       what belongs to the set `check` (make check); without: `check` and `test`; --long: all sets
     --sanitizers  the jobs of tests/sanitizers too (make test-ci)
-    --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), quick ones, and lint
+    --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), quick ones and what names one of
+                  these files, and lint
     --only        of all sets only jobs whose name contains one of these words, separated by commas or blanks
     --jobs        so many at a time (one more than there are processors: some jobs wait for processes to end)
 
@@ -149,8 +150,10 @@ def changed_paths(commit):
 
 
 def watching(jobs, paths):
-    """The jobs that watch one of the paths and are quick, and those that are written in one of them."""
-    return [job for job in jobs if job.source in paths or job.row.seconds <= QUICK and
+    """The jobs that watch one of the paths and are quick, those that watch one by its whole name, and those that are
+    written in one of them."""
+    named = set(paths)
+    return [job for job in jobs if job.source in named or named & set(job.row.watches) or job.row.seconds <= QUICK and
             (job.name.startswith("lint/") or any(path.startswith(w) for w in job.row.watches for path in paths))]
 
 

@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import types
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import runs  # noqa: E402
@@ -41,6 +42,20 @@ runs.check(re.search(r"\d+ particles, \d+ steps, \S+ s on one core", text) and "
            text[:600])
 runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "run.png")),
            "report_of_a_case", str(os.listdir(case)))
+sys.path.insert(0, os.path.join(runs.ROOT, "src", "pictures"))
+import gallery  # noqa: E402
+home, drawn = runs.scratch("drawn"), []
+os.makedirs(os.path.join(home, "figures"))
+for name in ("series.csv", "report.html", os.path.join("figures", "section.png")):
+    with open(os.path.join(home, name), "w", encoding="utf-8"):
+        pass
+gallery.subprocess = types.SimpleNamespace(DEVNULL=None, run=lambda words, **_: drawn.append(words[1]) or types.
+                                           SimpleNamespace(returncode=0))
+for newer, due in (("report.html", 0), ("series.csv", 2)):
+    for name in ("series.csv", "report.html"):
+        os.utime(os.path.join(home, name), (0, 1000 + (name == newer)))
+    gallery.reported(types.SimpleNamespace(folder=home), home + "/figures")
+    runs.check(len(drawn) == due, f"report_where_{newer}_is_newer", str(drawn))
 runs.check("nowhere: the options file cases/nowhere/case.opts cannot be opened" in done.stdout, "refused_case",
            done.stdout[-400:])
 runs.done()

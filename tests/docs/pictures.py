@@ -250,6 +250,15 @@ runs.check(max(bar.get_ydata()) < 0 and bar.get_transform() == panel.transAxes, 
            str(bar.get_ydata()))
 runs.check(unit == "mm", "unit_of_the_scale_bar", unit)
 
+# a plane: sizes are square roots of areas; the walls are strips outside the box
+flat = write(runs.scratch("flat"), (0,), (0, 0, 0), (0.1, 0.2, 0), "-box_x wall\n-box_ymin wall\n-bodies ball\n",
+             [((0.05, 0.02, 0), (1, 2, 0), 5, 4), ((0.02, 0.03, 0), (0, 1, 0), 6, 1)], dimension=2, each=D0**2)
+state = flat.read(flat.files[0][1])
+close(state.size, (2, 1), "sizes_of_a_plane")
+strips = [(quad.min(axis=0)[:2], quad.max(axis=0)[:2]) for quad in viewer.walls(flat)]
+outside = [high[0] <= 1e-12 or low[0] >= 0.1 - 1e-12 or high[1] <= 1e-12 for low, high in strips]
+runs.check(outside == [True] * 3, "strips_outside_the_box", str(strips))
+
 # rings: the axis points up, and each ring has the area of its volume over its length
 ROWS = [((0.05, 0.02, 0), (1, 2, 0), 5, 2 * np.pi * 0.05), ((0.005, 0.03, 0), (0, 1, 0), 6, 4 * np.pi * 0.005)]
 rings = write(runs.scratch("rings"), (0,), (0, 0, 0), (0.1, 0.2, 0), "-box_ymin wall\n-bodies ball\n", ROWS,

@@ -86,6 +86,11 @@ def module():
     stamp = os.path.getmtime(os.path.join(one.folder, "series.csv"))
     again = isph.run("tank.opts", again=True, gravity=(0, -9.81), film_viscosity=1e-3)
     runs.check(os.path.getmtime(os.path.join(one.folder, "series.csv")) > stamp, "again", again.folder)
+    half, call = isph.Job("tank.opts", one.folder, True, 1, {"gravity": (0, -9.81), "film_viscosity": 1e-3}), isph.call
+    isph.call = lambda words: (_ for _ in ()).throw(isph.Error("stopped half way"))
+    refused(half.go, "half way", "a_run_that_stops_half_way")
+    isph.call = call
+    runs.check(half.written() == "", "half_a_run_is_none", half.written())
     two = isph.run("tank.opts", ranks=2, gravity=(0, -1))
     runs.check(two.scene["ranks"] == 2, "two_ranks", two.folder)
 
@@ -146,6 +151,11 @@ for name, options in (("whole", {}), ("stopped", {"film_viscosity": 0.1})):
             now.run(after=after)
         except ValueError as error:
             assert name == "stopped" and str(error) == "enough" and len(times) == 3
+            try:
+                now.column("nothing")
+                raise AssertionError("a column that is none")
+            except isph.Error as later:  # not what the callback raised
+                assert "nothing" in str(later), later
         else:
             assert name == "whole" and now.ended and now.time == 0.1 and len(times) == now.steps - 1
             assert now.scene is None or now.scene["time_end"] == 0.1
