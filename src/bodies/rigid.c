@@ -70,7 +70,7 @@ static PetscErrorCode CheckBounds(Body body)
   PetscFunctionBegin;
   body->shape->bounds(body, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscBool axis = (PetscBool)(domain->rings && d == 0);
+    const PetscBool axis = DomainIsRadial(domain, d);
 
     for (PetscInt s = 0; s < 2; s++)
       PetscCheckUser(
@@ -98,7 +98,7 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
   for (PetscInt d = 0; d < DIM; d++) {
     centroid[d] = 0;
     for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] = 0;
-    if (domain->rings && d == 0) lower[d] = PetscMax(lower[d], 0);
+    if (DomainIsRadial(domain, d)) lower[d] = PetscMax(lower[d], 0);
     if (d < domain->dim) cell *= (upper[d] - lower[d]) / SHAPE_SAMPLES;
   }
   for (PetscInt k = 0; k < PetscPowInt(SHAPE_SAMPLES, domain->dim); k++) {
@@ -112,7 +112,7 @@ static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, Pe
     share = cell * DomainRingLength(domain, x, 1);
     *volume += share;
     for (PetscInt d = 0; d < DIM; d++) {
-      centroid[d] += share * (domain->rings && d == 0 ? 0 : x[d]);
+      centroid[d] += share * (DomainIsRadial(domain, d) ? 0 : x[d]);
       for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] += share * (x[d] - about[d]) * (x[e] - about[e]);
     }
   }
@@ -169,7 +169,7 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
   for (PetscInt d = 0; d < DIM && !centered; d++) center[d] = centroid[d];
   PetscCall(SetInertia(body, center));
   for (PetscInt d = 0; d < DIM; d++) {
-    f->moves[d]        = (PetscBool)(d < domain->dim && !(domain->rings && d == 0));
+    f->moves[d]        = (PetscBool)(d < domain->dim && !DomainIsRadial(domain, d));
     f->now.velocity[d] = velocity[d];
     f->now.rate[d]     = rate[d];
     f->now.turn[d][d]  = 1;
@@ -186,7 +186,7 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
 {
   const Domain          domain = body->domain;
   const struct _p_Free *f      = body->free;
-  const char           *flat   = domain->dim == 2 && !domain->rings ? "/m" : "";
+  const char           *flat   = DomainIsFlat(domain) ? "/m" : "";
   PetscReal             lower[DIM], upper[DIM], scale = 0;
 
   PetscFunctionBegin;
@@ -213,7 +213,7 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
 PetscErrorCode FreeView(Body body, PetscViewer viewer)
 {
   const struct _p_Free *f    = body->free;
-  const char           *flat = body->domain->dim == 2 && !body->domain->rings ? "/m" : "";
+  const char           *flat = DomainIsFlat(body->domain) ? "/m" : "";
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPushTab(viewer));

@@ -71,7 +71,7 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
   PetscFunctionBegin;
   if (domain->rings) domain->face[0][0] = FACE_SYMMETRY; /* the axis */
   for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscInt first = domain->rings && d == 0 ? 1 : 0;
+    const PetscInt first = DomainIsRadial(domain, d);
 
     if (!first)
       PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "Type of both faces of a direction", d, 0, 1));
@@ -403,7 +403,7 @@ const char *DomainUnit(Domain domain, const char unit[])
 {
   static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"m3", "m2"}, {"m2", "m"}};
 
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && domain->dim == 2 && !domain->rings; k++)
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && DomainIsFlat(domain); k++)
     if (!strcmp(unit, flat[k][0])) return flat[k][1];
   return unit;
 }

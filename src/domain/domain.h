@@ -61,6 +61,25 @@ static inline PetscBool DomainStoresSizes(Domain domain)
 {
   return (PetscBool)(domain->follow || (domain->rings && domain->graded));
 }
+/* DomainVolumesDiffer - whether particles have volumes of their own. DomainIsFlat - whether the scene is a plane, where
+   volumes, forces and energies are per metre. DomainIsRadial - whether direction d is the distance from the axis of
+   rings. DomainFirstStraight - the first direction that is not. Not collective. */
+static inline PetscBool DomainVolumesDiffer(Domain domain)
+{
+  return (PetscBool)(domain->rings || domain->graded);
+}
+static inline PetscBool DomainIsFlat(Domain domain)
+{
+  return (PetscBool)(domain->dim == 2 && !domain->rings);
+}
+static inline PetscBool DomainIsRadial(Domain domain, PetscInt d)
+{
+  return (PetscBool)(domain->rings && d == 0);
+}
+static inline PetscInt DomainFirstStraight(Domain domain)
+{
+  return domain->rings ? 1 : 0;
+}
 static inline PetscReal DomainSizeMax(Domain domain)
 {
   return domain->graded ? SIZE_MARGIN * domain->spacing_coarse / domain->spacing : 1;

@@ -76,7 +76,7 @@ PetscReal GaugesFactor(Gauges gauges, const Column *column)
   PetscReal    copies = gauges->multiplicity, factor = 1;
 
   if (column->counts != COUNTS_SUM || (column->of != OF_SCENE && column->of != OF_RECEIVER)) return 1;
-  for (PetscInt d = domain->rings ? 1 : 0; d < domain->dim; d++) {
+  for (PetscInt d = DomainFirstStraight(domain); d < domain->dim; d++) {
     const PetscReal mirror = GaugeMirror(domain, d, &copies);
 
     if (PetscIsInfOrNanReal(mirror) || (column->of == OF_RECEIVER && !Cuts(gauges, column->index, d, mirror))) continue;

@@ -17,7 +17,7 @@ static PetscBool HasContact(Gauges gauges, PetscInt d)
 {
   const Domain domain = gauges->cloud->domain;
 
-  return (PetscBool)(gauges->tension && GaugeReceivers(gauges) > 0 && (d > 0 || !domain->rings) &&
+  return (PetscBool)(gauges->tension && GaugeReceivers(gauges) > 0 && !DomainIsRadial(domain, d) &&
                      domain->face[d][0] != FACE_SYMMETRY && domain->face[d][1] != FACE_SYMMETRY);
 }
 

@@ -123,10 +123,10 @@ static PetscErrorCode Measure_Neck(Gauges gauges, const void *data, PetscReal va
   PetscCall(PetscFree(main));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, diameter, (PetscMPIInt)bins, MPIU_REAL, MPIU_SUM, gauges->comm));
   for (PetscInt d = 0; d < domain->dim; d++)
-    if (d != axis && !domain->rings && !PetscIsInfOrNanReal(GaugeMirror(domain, d, &copies))) whole *= 2;
+    if (d != axis && !DomainIsRadial(domain, d) && !PetscIsInfOrNanReal(GaugeMirror(domain, d, &copies))) whole *= 2;
   for (PetscInt k = 0; k < bins; k++) {
     diameter[k] *= whole;
-    if (domain->dim == 3 || domain->rings) diameter[k] = 2 * PetscSqrtReal(diameter[k] / PETSC_PI);
+    if (!DomainIsFlat(domain)) diameter[k] = 2 * PetscSqrtReal(diameter[k] / PETSC_PI);
     most = PetscMax(most, diameter[k]);
     sum += diameter[k];
     filled += diameter[k] > 0;

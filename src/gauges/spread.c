@@ -163,7 +163,7 @@ static PetscBool AddArea(Cover *cover, PetscInt receiver, PetscInt a, const Pets
       wettest = PetscMax(wettest, c);
     }
     area = part * PetscMax(0, PetscMin(1, 0.5 + c)) * PetscPowRealInt(pitch, (int)dim - 1);
-    if (cloud->domain->rings) area *= 2 * PETSC_PI * PetscAbsReal(p[0]);
+    area *= DomainPairLength(cloud->domain, p, p);
     sum[0] += area;
     for (PetscInt d = 0; d < 2; d++) {
       sum[1 + d] += area * p[along[d]];
@@ -412,7 +412,7 @@ static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal 
 
     (void)GaugeWallFace(cloud->domain, r, &d, &side);
     value[WETTED]   = sum[0];
-    value[DIAMETER] = cloud->domain->dim == 2 && !cloud->domain->rings ? whole : 2 * PetscSqrtReal(whole / PETSC_PI);
+    value[DIAMETER] = DomainIsFlat(cloud->domain) ? whole : 2 * PetscSqrtReal(whole / PETSC_PI);
     value[ANGLE]    = Angle(sum + FIT);
     if (r < faces) PetscCall(Spread(gauges, d, main, &value[EXTENT]));
     if (r < faces && cloud->domain->dim == 3) Axes(gauges, d, sum, value + LONG);

@@ -5,7 +5,7 @@ PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies)
 {
   const PetscBool lower = (PetscBool)(domain->face[d][0] == FACE_SYMMETRY);
 
-  if (domain->rings && d == 0) return 0;
+  if (DomainIsRadial(domain, d)) return 0;
   if (d >= domain->dim || *copies < 2 || (!lower && domain->face[d][1] != FACE_SYMMETRY)) return NAN;
   *copies /= 2;
   return lower ? domain->lower[d] : domain->upper[d];

@@ -134,7 +134,7 @@ static inline PetscReal ParticleSumVolume(Domain domain, const ParticleArrays *a
 {
   const PetscReal volume = ParticleVolume(domain, arrays, a), *x = arrays->real[FIELD_POSITION] + DIM * a;
 
-  return domain->rings ? volume / DomainRingLength(domain, x, ParticleSize(domain, arrays, a)) : volume;
+  return volume / DomainRingLength(domain, x, ParticleSize(domain, arrays, a));
 }
 
 /* ParticlesCreate - makes an empty swarm with the stored fields; viscosity, line: FIELD_VISCOSITY, FIELD_LINE, too.

@@ -29,7 +29,7 @@ static const OptionRow alone[] = {
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
   const Domain    domain = cloud->domain;
-  const PetscBool any = (PetscBool)(domain->rings || domain->graded), follows = (PetscBool)(domain->follow > 0),
+  const PetscBool any = DomainVolumesDiffer(domain), follows = (PetscBool)(domain->follow > 0),
                   fixed = (PetscBool)(domain->graded && !ByShare(domain));
 
   PetscFunctionBegin;

@@ -494,7 +494,7 @@ void ModelFind(Sim sim, SceneModel *found)
     FindRevolution(&model, u, found);
     if (found->revolution[u].holds) break;
   }
-  for (PetscInt d = domain->rings; d < domain->dim; d++) FindMirror(&model, d, found);
+  for (PetscInt d = DomainFirstStraight(domain); d < domain->dim; d++) FindMirror(&model, d, found);
 }
 
 PetscBool ModelCheaper(const SceneModel *found)
@@ -531,7 +531,7 @@ PetscErrorCode ModelPrint(Sim sim, const SceneModel *found)
                             "xyz"[u], "xyz"[a], (double)r -> center[a], "xyz"[b], (double)r -> center[b],
                             (double)(100 * r->particles)));
   }
-  for (PetscInt d = sim->domain->rings; d < sim->domain->dim && !found->none; d++) {
+  for (PetscInt d = DomainFirstStraight(sim->domain); d < sim->domain->dim && !found->none; d++) {
     const Mirror *mirror = &found->mirror[d];
     PetscBool     first  = PETSC_TRUE;
 
@@ -583,7 +583,7 @@ void ModelJson(Sim sim, const SceneModel *found, Json *json)
   }
   JsonEnd(json);
   JsonArray(json, "mirrors");
-  for (PetscInt d = sim->domain->rings; d < sim->domain->dim && !found->none; d++) {
+  for (PetscInt d = DomainFirstStraight(sim->domain); d < sim->domain->dim && !found->none; d++) {
     WriteFinding(json, "across", d, found->mirror[d].holds, found->mirror[d].why);
     JsonBool(json, "used", found->mirror[d].used);
     JsonArray(json, "gone");

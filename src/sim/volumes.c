@@ -29,7 +29,7 @@ PetscReal ShapeVolume(Sim sim, Body body)
     CellCoordinates(n, k, index);
     for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
     if (BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0)
-      inside += sim->domain->rings ? 2 * PETSC_PI * x[0] : 1;
+      inside += DomainPairLength(sim->domain, x, x);
   }
   return cell * inside;
 }

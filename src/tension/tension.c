@@ -17,7 +17,7 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->scene     = scene;
   t->dim       = domain->dim;
   t->rings     = domain->rings;
-  t->weighted  = (PetscBool)(domain->rings || domain->graded);
+  t->weighted  = DomainVolumesDiffer(domain);
   t->size_most = DomainSizeMax(domain);
   t->spacing   = domain->spacing;
   t->active    = SceneHasTension(scene);
