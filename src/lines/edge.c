@@ -1,6 +1,7 @@
 /* Contact lines in a step. Hysteresis: the resistance of a line slows or stops the velocity after the pressure. A line
    whose angle depends on its speed: its capillary number follows the velocity. */
 #include "../stepper/edge.h"
+#include "lines.h"
 
 #define NAME "contact_line"
 
@@ -21,8 +22,8 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionBegin;
   ((Line *)StepEdgeData(stepper, NAME))->fastest = TensionFastestLine(StepperTension(stepper));
   if (TensionHasLaw(StepperTension(stepper))) TensionMoveLines(StepperTension(stepper), cloud, dt);
-  PetscCall(TensionApplyHysteresis(StepperTension(stepper), cloud, dt, cloud->field[FIELD_VELOCITY_NEW],
-                                   &trial->sum[SUM_TENSION_WORK]));
+  PetscCall(
+    LinesResist(StepperTension(stepper), cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

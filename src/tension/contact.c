@@ -166,6 +166,20 @@ PetscBool TensionSolidAngles(Tension tension, PetscInt s, PetscReal angle[2])
   return (PetscBool)(tension->active && data && s < data->solid.count && Angles(&data->solid.angle[s], angle));
 }
 
+PetscBool TensionHasHysteresis(Tension tension)
+{
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(tension->active && data && data->hysteresis);
+}
+
+PetscBool TensionHasAngles(Tension tension)
+{
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(data && (data->tilted || data->hysteresis));
+}
+
 /* The wall or solid with a contact angle of number k: its name, and its angles; false: there is none. *name NULL: no
    wall, no solid of this number. */
 static PetscBool AnglesOf(Tension tension, PetscInt k, const char **name, PetscReal angle[2])

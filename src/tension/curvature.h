@@ -2,6 +2,7 @@
 #ifndef ISPH_CURVATURE_H
 #define ISPH_CURVATURE_H
 
+#include "near_wall.h"
 #include "tension_impl.h"
 
 #define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
@@ -27,7 +28,7 @@ typedef struct {
   PetscReal angle, cosine, sine; /* in the liquid, rad */
   PetscReal image_tilt;          /* half of the displacement of images along the wall, over their distance from it */
   PetscReal residual_tan;        /* 1/(cot(angle) - image_tilt) */
-  PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see hysteresis.c */
+  PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see lines/hysteresis.c */
 } ContactAngle;
 
 #define LINE_TABLE 1024
@@ -85,7 +86,7 @@ typedef struct {
   MovingLine   line;
   Images       images;
   PetscBool    tilted;     /* a contact angle is not 90 degrees: see ContactTilt */
-  PetscBool    hysteresis; /* some contact angle has hysteresis: see hysteresis.c */
+  PetscBool    hysteresis; /* some contact angle has hysteresis: see lines/hysteresis.c */
   PetscBool    walls;      /* the box has walls */
   /* tables */
   Kernel    core;                     /* W^H with the smoothing length SHEET_CORE H: sheet.c */
@@ -190,15 +191,5 @@ void MarangoniAdd(Cloud cloud);
    liquid, and one for that of both together. Sets the same fields, and the cloud's at_interface, pressure_jump
    and pressure_jump_slope. Collective. */
 PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
-
-/* --- near_wall.c --- */
-/* A wall face of the box, or the nearest solid with a contact angle. */
-#define WALLS_NEAR (2 * DIM + 1)
-typedef struct {
-  const ContactAngle *contact;
-  PetscReal           distance, inward[DIM], velocity[DIM]; /* m, negative inside a solid; into the liquid; m/s */
-} LineWall;
-/* WallsNear - those within 'reach' (m) of particle a; returns how many. Not collective. */
-PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR]);
 
 #endif

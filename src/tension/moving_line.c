@@ -10,8 +10,8 @@
                 L = 1: Kistler (1993), the experiments of Hoffman (1975) in tubes of 2 mm. It stands for the bending
    below a millimetre; a fine spacing computes a part of it once more.
 
-   With hysteresis the angle at rest is the advancing or the receding one, and the dry friction of hysteresis.c has its
-   part of the force.
+   With hysteresis the angle at rest is the advancing or the receding one, and the dry friction of lines/hysteresis.c
+   has its part of the force.
 
    The speed of a line is that of the free surface along the wall, v.n/|n - (n.i) i| with n the normal of the surface
    and i of the wall, in the mean over surface particles near the wall and around. It follows with the period

@@ -14,8 +14,8 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     const PetscReal y = PetscAbsReal(x[d] - (side ? domain->upper : domain->lower)[d]);
 
     if (domain->face[d][side] != FACE_WALL || y >= reach) continue;
-    wall[n].contact  = &data->contact[d][side];
-    wall[n].distance = y;
+    wall[n].hysteresis = data->contact[d][side].hysteresis_force;
+    wall[n].distance   = y;
     for (PetscInt e = 0; e < DIM; e++) {
       wall[n].inward[e]   = e != d ? 0 : side ? -1 : 1;
       wall[n].velocity[e] = domain->wall_velocity[d][side][e];
@@ -25,8 +25,8 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
   if (!data->solid.count) return n;
   s = SceneSolidDistance(cloud->scene, x, &near);
   if (s >= reach || data->solid.angle[near].angle <= 0) return n;
-  wall[n].contact  = &data->solid.angle[near];
-  wall[n].distance = s;
+  wall[n].hysteresis = data->solid.angle[near].hysteresis_force;
+  wall[n].distance   = s;
   SceneSolidNormal(cloud->scene, x, wall[n].inward);
   SceneSolidVelocity(cloud->scene, near, x, wall[n].velocity);
   return n + 1;

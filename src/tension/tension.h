@@ -40,13 +40,10 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero otherwise). Evaluates
    particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
-/* TensionApplyHysteresis - reduces the velocities v ([n_fluid][3], m/s) after the pressure by the resistance of contact
-   lines (-wall_contact_hysteresis) in dt (s); adds its work (J) to *work. TensionHasHysteresis - whether a wall or
-   solid has hysteresis. TensionHasAngles - whether some contact angle is not 90 degrees or has hysteresis. Not
-   collective. */
-PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work);
-PetscBool      TensionHasHysteresis(Tension tension);
-PetscBool      TensionHasAngles(Tension tension);
+/* TensionHasHysteresis - whether a wall or solid has hysteresis. TensionHasAngles - whether some contact angle is not
+   90 degrees or has hysteresis. Not collective. */
+PetscBool TensionHasHysteresis(Tension tension);
+PetscBool TensionHasAngles(Tension tension);
 /* TENSION_FAST_LINE - capillary number from which the angle of a line differs by ten degrees or more from that at rest;
    lines with their angle at rest are watched until one is so fast. */
 #define TENSION_FAST_LINE 0.01

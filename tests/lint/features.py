@@ -27,7 +27,7 @@ FEATURES = {
     "graded spacing": (("scene/spacing.c", "packing/graded.c", "neighbors/levels.c"),
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
     "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 15),
-    "contact lines": (("tension/contact.c", "tension/contact_solid.c", "tension/hysteresis.c", "tension/moving_line.c",
+    "contact lines": (("tension/contact.c", "tension/contact_solid.c", "tension/moving_line.c",
                        "tension/near_wall.c",
                        "lines/", "gauges/spread.c"),
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"

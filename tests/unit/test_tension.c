@@ -2,6 +2,7 @@
    curvature, and at walls; the Cahn-Hilliard force. Lengths in spacings, tension 1. Runs on any number of ranks. */
 #include "setup.h"
 #include "check.h"
+#include "../../src/lines/lines.h"
 #include "../../src/tension/tension_impl.h"
 
 #define MAX_POINTS 16000
@@ -592,8 +593,8 @@ static PetscErrorCode TestHold(const char options[], const char name[])
     fast[k] = s.scene && SceneSolidCount(s.scene) ? along[k % DIM] : k % DIM == 0;
     slow[k] = 1e-12 * fast[k];
   }
-  PetscCall(TensionApplyHysteresis(s.tension, s.cloud, dt, fast, &work[0]));
-  PetscCall(TensionApplyHysteresis(s.tension, s.cloud, dt, slow, &work[1]));
+  PetscCall(LinesResist(s.tension, s.cloud, dt, fast, &work[0]));
+  PetscCall(LinesResist(s.tension, s.cloud, dt, slow, &work[1]));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     const PetscReal speed = Norm(fast + DIM * a);
 

@@ -10,7 +10,8 @@
    supports of W^H from the wall. The resistance must reach as far, or the liquid above rolls over the liquid at rest;
    it decreases linearly from the wall to there. (Acting on the first layer of particles alone it holds a drop up to a
    quarter of the right slope, within one support up to three quarters.) */
-#include "curvature.h"
+#include "../tension/near_wall.h"
+#include "lines.h"
 
 #define REACH 1.5 /* in supports of W^H, see above; no reference */
 
@@ -30,40 +31,24 @@ static PetscReal Resist(Cloud cloud, PetscReal dt, PetscInt a, PetscReal reach, 
   if (length == 0) return 0;
   for (PetscInt d = 0; d < DIM; d++) speed += (v[d] - wall->velocity[d]) * across[d] / length;
   KernelHalfSpace(cloud->kernel, distance / cloud->size[a], NULL, &seen);
-  most   = dt * sigma * wall->contact->hysteresis_force * 2 * length / seen * per_height / cloud->rest_density[a];
+  most   = dt * sigma * wall->hysteresis * 2 * length / seen * per_height / cloud->rest_density[a];
   change = PetscMax(-most, PetscMin(most, speed));
   for (PetscInt d = 0; d < DIM; d++) v[d] -= change * across[d] / length;
   return 0.5 * cloud->volume[a] * cloud->rest_density[a] * (Dot(v, v) - before);
 }
 
-PetscErrorCode TensionApplyHysteresis(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work)
+PetscErrorCode LinesResist(Tension tension, Cloud cloud, PetscReal dt, PetscReal v[], PetscReal *work)
 {
-  const Curvature *data = CurvatureOf(tension);
-
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && data && data->hysteresis; a++) {
-    const PetscReal reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
+  for (PetscInt a = 0; a < cloud->n_fluid && TensionHasHysteresis(tension); a++) {
+    const PetscReal reach = REACH * TensionReach(tension) * cloud->size[a];
     LineWall        wall[WALLS_NEAR];
     PetscInt        n;
 
     if (!cloud->integer[INT_SURFACE][a]) continue;
     n = WallsNear(tension, cloud, a, reach, wall);
     for (PetscInt k = 0; k < n; k++)
-      if (wall[k].contact->hysteresis_force != 0) *work += Resist(cloud, dt, a, reach, &wall[k], v + DIM * a);
+      if (wall[k].hysteresis != 0) *work += Resist(cloud, dt, a, reach, &wall[k], v + DIM * a);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscBool TensionHasHysteresis(Tension tension)
-{
-  const Curvature *data = CurvatureOf(tension);
-
-  return (PetscBool)(tension->active && data && data->hysteresis);
-}
-
-PetscBool TensionHasAngles(Tension tension)
-{
-  const Curvature *data = CurvatureOf(tension);
-
-  return (PetscBool)(data && (data->tilted || data->hysteresis));
 }
