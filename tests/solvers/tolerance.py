@@ -74,6 +74,13 @@ for name, (options, still) in GIVEN.items():  # until then a tank comes to rest,
     runs.check_below(np.ptp(gain - given) / np.ptp(given), 0.1, f"energy from outside: {name}")
     runs.check(re.search(f"{name} [-.0-9]+", text) is not None, f"the budget names {name}",
                re.findall("viscosity gave.*", text))
+table, _ = run(f"{TANK}/floating_box/case.opts -spacing 0.02 -float_mass 20 -float_velocity 0,-0.5 -time_end 0.05 "
+               "-series_interval 0", "float")
+column = {name: table[next(n for n in table.dtype.names if n.startswith(name))] for name in (
+    "float_y", "float_velocity_x", "float_velocity_y")}
+of_body = 20 * (0.5 * (column["float_velocity_x"]**2 + column["float_velocity_y"]**2) + 9.81 * column["float_y"])
+runs.check_below(abs((of_body - of_body[0] + table["outside_work"]) / table["outside_work"])[1:].max(), 0.01,
+                 "a free body loses what the liquid gets")
 table, _ = run(f"{TANK}/couette/case.opts -spacing 0.05e-3 -time_end 5e-3 -series_interval 0", "couette")
 runs.check_below(abs(table["viscous_work"][-1] / table["kinetic_energy"][-1] - 1), 1e-5, "what a wall gave from rest")
 runs.check(re.search("left through open faces -[.0-9]+", text) is not None, "the budget names what left",
