@@ -224,7 +224,7 @@ static PetscErrorCode WallDensities(Cloud cloud)
     PetscReal sum = 0, filled = 0;
 
     PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, &row);
-    KernelEvaluate(cloud->kernel, row.n, row.r2, row.W, NULL);
+    PairRowEvaluate(cloud, a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       const PetscInt  b     = row.index[k];
       const PetscReal share = cloud->integer[INT_LAYER][b] ? 0 : row.W[k] * cloud->weight[b];

@@ -225,6 +225,31 @@ static PetscErrorCode TestFloor(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same of particles four times as wide, whose liquid is farther than the support of a fine one. */
+static PetscErrorCode TestCoarseFloor(void)
+{
+  PetscReal off = 0, coarse = 0;
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack("-dimension 2 -spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -fine near -near_shape sphere "
+                      "-near_radius 2 -near_center 0,60 -box_lower 0,0 -box_upper 80,60 -box_ymin wall -packing_jitter "
+                      "0 -bodies a,b -a_upper 40,24 -a_density 1000 -b_lower 40,0 -b_upper 80,24 -b_density 700 ",
+                      &s));
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_owned; a++) {
+    const PetscReal x = s.cloud->field[FIELD_POSITION][DIM * a];
+
+    if (s.cloud->integer[INT_LAYER][a] != 1 || x < 56 || x > 72 || s.cloud->size[a] < 3) continue;
+    off = PetscMax(off, PetscAbsReal(s.cloud->rest_density[a] - 700));
+    coarse++;
+  }
+  CHECK(SetupSum(coarse) >= 3, "a_coarse_floor");
+  CHECK_CLOSE(SetupMax(off), 0, 1e-9, "a_coarse_floor_has_the_density_of_its_liquid");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Liquid between a floor and a ceiling, which are walls of the box or solids: along them it slides without divergence,
    and wall particles that it leaves see it expand. With no slip, a shear flow that is at rest at a wall feels no force
    there. */
@@ -436,6 +461,7 @@ int main(int argc, char **argv)
   PetscCall(TestSheets());
   PetscCall(TestSums());
   PetscCall(TestFloor());
+  PetscCall(TestCoarseFloor());
   PetscCall(TestJump());
   PetscCall(TestWalls("-box_lower 0,2 -box_upper 10,8 -box_y wall -a_upper 10,8", "walls"));
   PetscCall(TestWalls("-a_lower 0,2 -a_upper 10,8 -solids floor,ceiling -floor_lower -5,0 -floor_upper 15,2 "
