@@ -27,7 +27,7 @@ static PetscErrorCode Check_Neck(Gauges gauges, void *data)
   const PetscInt axis   = *(int *)data;
 
   PetscFunctionBegin;
-  PetscCheckUser(axis == DIM || (domain->rings ? axis == 1 : axis < domain->dim), gauges->comm,
+  PetscCheckUser(axis == DIM || (axis >= DomainFirstStraight(domain) && axis < domain->dim), gauges->comm,
                  "-gauge_neck is %c; it must be %s.", AxisName(axis),
                  domain->rings      ? "y, the axis of the rings"
                  : domain->dim == 2 ? "x or y in two dimensions"

@@ -325,7 +325,8 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
   const Curvature *data  = tension->data;
   const PetscReal  limit = (tension->rings ? 2 : tension->dim - 1) / (at->size * tension->spacing);
   const PetscReal  c     = 0.5 * data->moment / data->plane * PetscSqr(at->size);
-  PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, Kn[DIM], nK[DIM], nKn = 0;
+  PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, lowers, Kn[DIM], nK[DIM],
+                                      nKn = 0;
 
   *deeper = 0;
   if (!fit->enough) return 0;
@@ -346,15 +347,17 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
     trace += K[i][i];
     for (PetscInt j = 0; j < DIM; j++) square += PetscSqr(0.5 * (K[i][j] + K[j][i]));
   }
-  root  = 0.5 * PetscSqrtReal(PetscMax(0, 2 * square - trace * trace));
-  k1    = 0.5 * trace + root;
-  k2    = 0.5 * trace - root;
-  depth = m->s / m->w;
-  if (tension->rings) { /* phi is a sum over the plane, so k2 does not lower it */
-    k1 = trace;
-    k2 = LooseHas(tension, at->a) ? 0 : HoopCurvature(m, at->x[0]);
+  root   = 0.5 * PetscSqrtReal(PetscMax(0, 2 * square - trace * trace));
+  k1     = 0.5 * trace + root;
+  k2     = 0.5 * trace - root;
+  depth  = m->s / m->w;
+  lowers = k2;
+  if (tension->rings) {
+    k1     = trace;
+    k2     = LooseHas(tension, at->a) ? 0 : HoopCurvature(m, at->x[0]);
+    lowers = 0; /* phi is a sum over the plane */
   }
-  *deeper = c * Together(k1, tension->rings ? 0 : k2, depth, c, limit);
+  *deeper = c * Together(k1, lowers, depth, c, limit);
   kappa   = CarryToSurface(k1, k2, depth + *deeper);
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
