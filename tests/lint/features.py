@@ -23,7 +23,7 @@ FEATURES = {
                  r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 3),
     "resampling": (("resampling/",), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
     "following": (("resampling/target.c", "resampling/walls.c", "resampling/smooth.c", "scene/spacing.c"),
-                  r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 8),
+                  r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 7),
     "graded spacing": (("scene/spacing.c", "packing/graded.c", "neighbors/levels.c"),
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
     "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 15),
@@ -35,6 +35,9 @@ FEATURES = {
     "interface": (("tension/interface.c", "pressure/interface.c", "scene/liquids.c"),
                   r"Interface[A-Z]\w*|\w+Interface|interface_\w+|SUM_LIQUIDS\w*|LIQUID_SUMS", 5),
 }
+# Lines outside of these folders that ask whether particles are rings: others take lengths, volumes and directions of
+# the domain. The number may not become larger.
+METRIC, ASKS = ("domain/", "neighbors/", "scene/", "packing/", "resampling/"), 29
 # The folders that every run is made of.
 CORE = ("base", "domain", "kernel", "particles", "neighbors", "operators", "pressure", "twolevel", "solver", "storage",
         "stepper")
@@ -76,6 +79,10 @@ for feature, (home, names, most) in FEATURES.items():
     if size(outside)[2] > most:
         bad.append(f"{feature} is named in {size(outside)[2]} folders outside its home, at most {most}: "
                    + ", ".join(path for path, _ in outside))
+asks = size(count(r"(?:->|\.)rings", [source for source in sources if not source[0].startswith(METRIC)]))[0]
+table.append(f"rings asked for on {asks} lines outside of {' '.join(METRIC)}")
+if asks > ASKS:
+    bad.append(f"rings are asked for on {asks} lines outside of {' '.join(METRIC)}, at most {ASKS}: ask the domain")
 text = {path: "\n".join(lines) for path, lines in sources}
 records = [path for path in text if RECORD.search(text[path])]
 homes = [home for home, _, _ in FEATURES.values() if any(path.startswith(home) for path in records)]
