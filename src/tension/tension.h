@@ -21,7 +21,8 @@ typedef struct _p_Tension *Tension;
 #define TENSION_CURVATURE     "curvature"
 #define TENSION_NONE          "none"
 
-/* TensionCreate - creates the tension of a scene's bodies. Borrows nothing beyond the call. Collective. */
+/* TensionCreate - creates the tension of a scene's bodies. Borrows the scene. Its model is known after
+   TensionSetFromOptions; before, no other function may be called but TensionDestroy. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
 /* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
    -wall_contact_angle, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard: -tension_calibration

@@ -613,6 +613,32 @@ static PetscErrorCode TestHold(const char options[], const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A drop of particles of two spacings, with a fine region elsewhere, has the pressure of a drop of fine ones. */
+static PetscErrorCode TestCoarse(void)
+{
+  PetscReal sum = 0, count = 0, size = 0;
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack("-dimension 2 -spacing 1 -spacing_coarse 2 -spacing_growth 0.2 -box_lower -60,-60 "
+                      "-box_upper 60,60 -bodies a -a_shape sphere -a_radius 32 -a_tension 1 -fine core "
+                      "-core_lower -58,-58 -core_upper -54,-54 ",
+                      &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    if (s.cloud->integer[INT_SURFACE][a] != 1) continue;
+    sum += s.cloud->field[FIELD_CAPILLARY][a];
+    size += s.cloud->size[a];
+    count++;
+  }
+  count = SetupSum(count);
+  CHECK_CLOSE(SetupSum(size) / count, 2, 0.01, "coarse_surface");
+  CHECK_CLOSE(32 * SetupSum(sum) / count, 1, 0.02, "coarse_pressure");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -633,6 +659,7 @@ int main(int argc, char **argv)
                      "solid"));
   PetscCall(TestBand());
   PetscCall(TestPrinted());
+  PetscCall(TestCoarse());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
