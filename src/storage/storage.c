@@ -5,6 +5,7 @@
 #define _GNU_SOURCE /* pwrite, posix_fallocate */
 #include "storage.h"
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -133,16 +134,28 @@ PetscErrorCode H5FileOpen(MPI_Comm comm, const char path[], H5File *h5)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Cuts off what is reserved behind the end of a file that is closed; end 0: nothing. HDF5 does so only where it has not
+   written the last bytes itself. */
+static PetscBool CutReserved(int file, off_t end)
+{
+  struct stat info;
+
+  return (PetscBool)(end == 0 || (!fstat(file, &info) && (info.st_size <= end || !ftruncate(file, end))));
+}
+
 PetscErrorCode H5FileClose(H5File *h5, PetscBool *failed)
 {
   PetscBool       all;
   const PetscBool writing = (PetscBool)(h5->file >= 0);
+  haddr_t         end     = 0;
 
   PetscFunctionBegin;
+  PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all)); /* all rows are written */
+  if (all && writing && h5->id >= 0 && Settle(h5) && H5Fget_eoa(h5->id, &end) < 0) h5->failed = PETSC_TRUE;
+  LetClose(h5, writing);
+  if (writing && !CutReserved(h5->file, (off_t)end)) h5->failed = PETSC_TRUE;
   if (writing && close(h5->file)) h5->failed = PETSC_TRUE;
   h5->file = -1;
-  PetscCall(AllAgree(h5, (PetscBool)!h5->failed, &all)); /* all rows are written: HDF5 cuts off what is reserved */
-  LetClose(h5, writing);
   (void)H5Eset_auto2(H5E_DEFAULT, h5->handler, h5->client);
   PetscCall(AllAgree(h5, (PetscBool)(all && !h5->failed), &all));
   *failed = (PetscBool)!all;

@@ -12,6 +12,7 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
 SOLID = -2  # of the first of -solids
+STRUCTURE = 80e3  # bytes of a file besides its fields, at most; what is reserved while it is written are 260e3
 SCENES = {
     "moving": "-dimension 2 -spacing 0.05 -box_lower -1,0 -box_upper 1,1.5 -box_x wall -box_ymin wall -bodies "
               "pool,drop -pool_upper 1,0.5 -drop_shape sphere -drop_center 0.5,0.9 -drop_radius 0.2 -drop_viscosity 1 "
@@ -54,6 +55,8 @@ def same(name, folder, precise, walls):
                f"{name}_head_box", str(head["box_upper"]))
     units = {row["name"]: row["unit"] or "1" for row in scene["columns"] if row["file"] == "snapshot"}
     with h5py.File(snapshot, "r") as file:
+        stored = sum(file[field].id.get_storage_size() for field in found)
+        runs.check_below(os.path.getsize(snapshot), stored + STRUCTURE, f"{name}_size_of_the_file")
         said = {field: file[field].attrs["unit"].decode() for field in found}
     runs.check(said == {field: units[field] for field in found}, f"{name}_units", f"{said}, scene.json has {units}")
     volume = "m2" if dim == 2 and not scene["domain"]["rings"] else "m3"
