@@ -255,11 +255,10 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(EstimateRun(sim, &times, &run));
   beside = (PetscReal)(now - petsc_BaseTime) + (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE);
   PetscCall(PrintTime(sim, &run, beside));
-  PetscCall(
-    PetscPrintf(sim->comm,
-                "  output: about %" PetscInt64_FMT
-                " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB (compression halves the snapshots)\n",
-                snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
-                (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
+  PetscCall(PetscPrintf(sim->comm,
+                        "  output: about %" PetscInt64_FMT
+                        " snapshots of %.3g MB, two checkpoints of %.3g MB: %.3g MB\n",
+                        snapshots, (double)bytes / MEGABYTE, (double)checkpoint / MEGABYTE,
+                        (double)(snapshots * bytes + 2 * checkpoint) / MEGABYTE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

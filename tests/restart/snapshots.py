@@ -4,6 +4,7 @@ precision; the particles are those of the liquid and of solids that move, with -
 the scene's."""
 import json
 import os
+import re
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -12,6 +13,7 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
 SOLID = -2  # of the first of -solids
+MEGABYTE = 1e6
 STRUCTURE = 80e3  # bytes of a file besides its fields, at most; what is reserved while it is written are 260e3
 SCENES = {
     "moving": "-dimension 2 -spacing 0.05 -box_lower -1,0 -box_upper 1,1.5 -box_x wall -box_ymin wall -bodies "
@@ -68,5 +70,11 @@ moving = {}
 for name, scene in SCENES.items():
     same(name, runs.run(scene + RUN + " -snapshot_double -snapshot_walls", name), True, True)
     moving[name] = same(f"{name}_single", runs.run(scene + RUN, f"{name}_single", ranks=2), False, False)
+LARGE = SCENES["space"].replace("-spacing 0.1", "-spacing 0.05") + RUN  # what -dry_run says of its files
+folder = runs.run(LARGE, "large")
+said = re.search(r"snapshots of (\S+) MB, two checkpoints of (\S+) MB", runs.start(LARGE + " -dry_run").stdout)
+for k, kind in enumerate(("snapshot", "checkpoint")):
+    size = os.path.getsize(runs.numbered(folder, kind)[-1])
+    runs.check_within(float(said[k + 1]) * MEGABYTE / size, 0.75, 1.3, f"estimated_{kind}")
 runs.check(moving == {"moving": 2, "following": 0, "plane": 0, "space": 0}, "solids_that_move", str(moving))
 runs.done()
