@@ -170,7 +170,7 @@ static PetscBool On(Stepper stepper)
 }
 
 /* The numbers of free body k, see FreeNumbers. */
-static PetscReal *Numbers(Scene scene, PetscInt k, PetscInt *width)
+static PetscReal *Numbers(Scene scene, void *numbers, PetscInt k, PetscInt *width)
 {
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
     if (BodyMass(SceneSolid(scene, b)) > 0 && k-- == 0) return FreeNumbers(SceneSolid(scene, b), width);

@@ -124,6 +124,13 @@ static inline PetscReal DomainRingLength(Domain domain, const PetscReal x[DIM], 
   return domain->rings ? 2 * PETSC_PI * (r < half ? 0.5 * (r + half) : r) : 1;
 }
 
+/* DomainLengthening - the rate (1/s) at which the ring at x (m) gets longer with the velocity v (m/s), over its length;
+   0 without rings. Not collective. */
+static inline PetscReal DomainLengthening(Domain domain, const PetscReal x[DIM], const PetscReal v[DIM])
+{
+  return domain->rings && x[0] != 0 ? v[0] / x[0] : 0;
+}
+
 /* DomainPairLength - 2 pi |r_a + r_b|/2 (m), the length of the ring half-way between x and y (m); 1 without rings. r is
    negative in an image, so the pair of a particle with its own image has length zero. Not collective. */
 static inline PetscReal DomainPairLength(Domain domain, const PetscReal x[DIM], const PetscReal y[DIM])

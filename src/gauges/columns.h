@@ -39,9 +39,11 @@ typedef struct {
 PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...);
 PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
 
-/* GaugesCloud - borrowed. GaugeWallFace - the number of wall faces of the box, which are the first receivers of forces;
-   direction and side are those of wall face 'index', if it exists. Not collective. */
+/* GaugesCloud - borrowed. GaugesRun - what GaugesSetRun told, or NULL. GaugeWallFace - the number of wall faces of the
+   box, which are the first receivers of forces; direction and side are those of wall face 'index', if it exists. Not
+   collective. */
 Cloud    GaugesCloud(Gauges gauges);
+void    *GaugesRun(Gauges gauges);
 PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
 
 #endif

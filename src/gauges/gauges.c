@@ -2,9 +2,9 @@
 #include "gauges_impl.h"
 
 /* In the order of their columns in the series. */
-static const GaugeKind *const kinds[GAUGE_KINDS] = {&GaugeCrater, &GaugePoints, &GaugeHeights,
-                                                    &GaugeForces, &GaugeBodies, &GaugeDroplets,
-                                                    &GaugeLines,  &GaugeSpread, &GaugeNeck};
+static const GaugeKind *const kinds[GAUGE_KINDS] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
+                                                    &GaugeBodies, &GaugeDroplets, &GaugeLines,   &GaugeSpread,
+                                                    &GaugeNeck,   &GaugePockets};
 
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 {
@@ -34,6 +34,16 @@ PetscErrorCode GaugesDestroy(Gauges *gauges)
   PetscCall(PetscFree((*gauges)->series.row));
   PetscCall(PetscFree(*gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void GaugesSetRun(Gauges gauges, void *run)
+{
+  gauges->run = run;
+}
+
+void *GaugesRun(Gauges gauges)
+{
+  return gauges->run;
 }
 
 void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context)

@@ -73,6 +73,8 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
    corrected: the pressure gradient is corrected; else it is a sum of pair forces. tension: surface tension sets
    FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not collective. */
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension);
+/* GaugesSetRun - tells what moves the particles (borrowed), for the gauges in folders of its edges. Not collective. */
+void GaugesSetRun(Gauges gauges, void *run);
 /* GaugesSetRefresh - GaugesMeasure calls refresh(context) (borrowed) when a gauge needs sums over neighbours and the
    cloud holds sums of another order of the particles. The call computes the sums from the stored fields. The gauge then
    has the value that a restart from this state would give. Not collective. */
@@ -105,7 +107,7 @@ PetscReal      GaugesFactor(Gauges gauges, const Column *column);
 /* GaugesTableFile - name of the file of table t of all that gauges may fill; NULL: there is none. Not collective. */
 const char *GaugesTableFile(PetscInt t);
 
-#define GAUGE_TABLES_MOST 4
+#define GAUGE_TABLES_MOST 5
 /* GaugesTables - number of tables that the gauges fill, at most GAUGE_TABLES_MOST. GaugesTableColumns - the table's
    file name and the rows of its columns, [count], borrowed. GaugesTableEvents - whether its rows are of the times of
    the series, not of the snapshots. Not collective. GaugesTableRows - measures the rows at this time (s): values

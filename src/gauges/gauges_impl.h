@@ -5,8 +5,8 @@
 #include "columns.h"
 
 extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
-  GaugeSpread, GaugeNeck;
-#define GAUGE_KINDS 9
+  GaugeSpread, GaugeNeck, GaugePockets;
+#define GAUGE_KINDS 10
 
 /* A table that is written, and the data of its gauge. */
 typedef struct {
@@ -27,6 +27,7 @@ struct _p_Gauges {
   PetscReal        multiplicity;            /* copies of the simulated part that make the whole */
   PetscErrorCode (*refresh)(void *context); /* of GaugesSetRefresh */
   void       *context;
+  void       *run; /* of GaugesSetRun */
   void       *data[GAUGE_KINDS];
   PetscBool   listed; /* the lists are filled */
   ColumnList  series;

@@ -102,14 +102,15 @@ static PetscErrorCode FieldsPut(Output output, H5File *h5, ParticleArrays *array
 
 /* Writes the numbers that an edge of the step keeps in the scene, or reads them into it. *good becomes false if a
    number is not finite. */
-static PetscErrorCode TablePutGet(Output output, H5File *h5, const NumberTable *table, PetscBool write, PetscBool *good)
+static PetscErrorCode TablePutGet(Output output, H5File *h5, const NumberTable *table, void *numbers, PetscBool write,
+                                  PetscBool *good)
 {
   const Scene scene = output->cloud->scene;
   Rows        rows  = {.n = 0, .start = 0, .total = 0, .width = 0};
   PetscReal  *all, *own;
 
   PetscFunctionBegin;
-  while (table->row(scene, rows.total, &rows.width)) rows.total++;
+  while (table->row(scene, numbers, rows.total, &rows.width)) rows.total++;
   if (!rows.total) PetscFunctionReturn(PETSC_SUCCESS);
   rows.n = output->rank ? 0 : rows.total;
   PetscCall(PetscCalloc1(rows.total * rows.width, &all));
@@ -118,7 +119,7 @@ static PetscErrorCode TablePutGet(Output output, H5File *h5, const NumberTable *
     PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)(rows.total * rows.width), MPIU_REAL, 0, output->comm));
   }
   for (PetscInt k = 0; k < rows.total; k++) {
-    own = table->row(scene, k, &rows.width);
+    own = table->row(scene, numbers, k, &rows.width);
     PetscCall(PetscArraycpy(write ? all + rows.width * k : own, write ? own : all + rows.width * k, rows.width));
     for (PetscInt i = 0; i < rows.width; i++) *good = (PetscBool)(*good && !PetscIsInfOrNanReal(own[i]));
   }
@@ -127,12 +128,14 @@ static PetscErrorCode TablePutGet(Output output, H5File *h5, const NumberTable *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Tables(Output output, H5File *h5, PetscBool write, PetscBool *good)
+static PetscErrorCode Tables(Output output, H5File *h5, const StepState *state, PetscBool write, PetscBool *good)
 {
   const NumberTable *table;
+  void              *numbers;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; (table = StepperTable(k)); k++) PetscCall(TablePutGet(output, h5, table, write, good));
+  for (PetscInt k = 0; (table = StepperTable(state, k, &numbers)); k++)
+    PetscCall(TablePutGet(output, h5, table, numbers, write, good));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,7 +192,7 @@ static PetscErrorCode Write(Output output, const StepState *state, const char na
   HeadPut(&h5, &head, scene, output->options ? output->options : "");
   free(scene);
   PetscCall(FieldsPut(output, &h5, &arrays, rows));
-  PetscCall(Tables(output, &h5, PETSC_TRUE, &good));
+  PetscCall(Tables(output, &h5, state, PETSC_TRUE, &good));
   PetscCall(H5FileClose(&h5, &failed));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   if (!failed) PetscCall(FileSeal(output->comm, path, &failed));
@@ -443,7 +446,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCall(RestartSceneCheck(output, file, texts->scene));
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(FieldsGet(output, &h5, &head, &good));
-  PetscCall(Tables(output, &h5, PETSC_FALSE, &good));
+  PetscCall(Tables(output, &h5, &head.state, PETSC_FALSE, &good));
   external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(!external, output->comm,

@@ -33,6 +33,12 @@ static PetscReal SizeAround2(Cloud cloud, PetscInt a)
   return sum > 0 ? weighted / sum : PetscSqr(cloud->size[a]);
 }
 
+PetscBool PressureCloses(Pressure pressure, PetscInt a)
+{
+  return (PetscBool)(pressure->cloud->integer[INT_SURFACE][a] ||
+                     pressure->cloud->field[FIELD_LAMBDA][a] < FILLED_LAMBDA);
+}
+
 /* Nair & Tomar (2014) fill the diagonal of a row near the surface (lambda < FILLED_LAMBDA) up to that of a full
    neighbourhood, as if the missing neighbours had p = 0. That puts the zero at their positions, 0.8 spacings outside
    the surface: the first pressure of a rotating square is then 8 % too large with 40 spacings along a side. With twice

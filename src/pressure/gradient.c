@@ -33,7 +33,7 @@ static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscRe
   const Cloud      cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE],
                   *x  = cloud->field[FIELD_POSITION];
-  const PetscReal own = p[a] - 2 * cloud->field[FIELD_CAPILLARY][a], rho = density[a];
+  const PetscReal own = p[a] - 2 * pressure->outside[a], rho = density[a];
 
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
@@ -52,8 +52,8 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own    = (p[a] - 2 * cloud->field[FIELD_CAPILLARY][a]) / (density[a] * density[a]);
-  const PetscReal *slope  = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a;
+  const PetscReal  own    = (p[a] - 2 * pressure->outside[a]) / (density[a] * density[a]);
+  const PetscReal *slope  = pressure->outside_slope + DIM * a;
   const PetscInt   padded = PaddedLength(row->n);
   PetscReal        c[ROW_CAPACITY + SIMD_WIDTH];
 
@@ -202,11 +202,46 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the pressure outside the free surface and its slope: those of surface tension, which are the cloud's fields, and
+   of what else surrounds the liquid. */
+static PetscErrorCode OutsideGet(Pressure pressure)
+{
+  Cloud cloud = pressure->cloud;
+
+  PetscFunctionBegin;
+  pressure->outside       = cloud->field[FIELD_CAPILLARY];
+  pressure->outside_slope = cloud->field[FIELD_CAPILLARY_SLOPE];
+  for (PetscInt k = 0; k < pressure->low_ranks; k++) {
+    if (!pressure->low_rank[k].term->outside) continue;
+    if (pressure->outside == cloud->field[FIELD_CAPILLARY]) {
+      PetscCall(CloudGetWork(cloud, 1, &pressure->outside));
+      PetscCall(CloudGetWork(cloud, DIM, &pressure->outside_slope));
+      PetscCall(PetscArraycpy(pressure->outside, cloud->field[FIELD_CAPILLARY], cloud->n_fluid));
+      PetscCall(PetscArraycpy(pressure->outside_slope, cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_fluid));
+    }
+    PetscCall(pressure->low_rank[k].term->outside(pressure->low_rank[k].context, pressure, pressure->outside,
+                                                  pressure->outside_slope));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OutsideRestore(Pressure pressure)
+{
+  PetscFunctionBegin;
+  if (pressure->outside != pressure->cloud->field[FIELD_CAPILLARY]) {
+    PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside_slope));
+    PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[])
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
+  PetscCall(OutsideGet(pressure));
   PetscCall(pressure->gradient(pressure, acceleration));
+  PetscCall(OutsideRestore(pressure));
   PetscCall(LogPairFlops(pressure->cloud->first[pressure->cloud->n_fluid], 11));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -214,3 +214,18 @@ PetscReal PressureRowScale(Pressure pressure)
 {
   return pressure->row_scale;
 }
+
+const PetscReal *PressureClosure(Pressure pressure)
+{
+  return pressure->closure_diagonal;
+}
+
+PetscReal PressureStep(Pressure pressure)
+{
+  return pressure->dt;
+}
+
+PetscReal PressureFull(Pressure pressure)
+{
+  return pressure->lattice_sum;
+}

@@ -100,12 +100,18 @@ PetscBool PressureTakesDivergence(Pressure pressure);
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
 /* PressureRelaxationTime - the time (s) in which density errors are corrected. Not collective. */
 PetscReal PressureRelaxationTime(Pressure pressure);
-/* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats does.
-   With c the divergence of the rows, times their masses, for each unit motion and M the inertia, the operator gets the
-   term L = c M^-1 c^T of low rank, symmetric and positive; the preconditioner is that of the operator without it. */
+/* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats or a
+   pocket of gas does. With c the divergence of the rows, times their masses, for each unit motion and M the inertia,
+   the operator gets the term L = c M^-1 c^T of low rank, symmetric; the preconditioner is that of the operator without
+   it. Hooks but set_up and add may be NULL. All are collective. */
 typedef struct {
   PetscErrorCode (*set_up)(void *context, Pressure pressure); /* before a solve, at the positions of the cloud */
   PetscErrorCode (*add)(void *context, Pressure pressure, const PetscScalar p[], PetscScalar y[]); /* y += L p */
+  PetscErrorCode (*right_side)(void *context, Pressure pressure, PetscScalar rhs[]);
+  PetscErrorCode (*solved)(void *context, Pressure pressure); /* FIELD_PRESSURE is new */
+  /* adds to the pressure outside the free surface ([n_fluid], Pa) and its slope ([n_fluid][3], Pa/m) what is there
+     besides surface tension */
+  PetscErrorCode (*outside)(void *context, Pressure pressure, PetscReal outside[], PetscReal slope[]);
 } LowRank;
 
 /* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureRow - the
@@ -114,6 +120,14 @@ typedef struct {
 PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context);
 PetscInt       PressureRow(Pressure pressure, PetscInt a);
 PetscReal      PressureRowScale(Pressure pressure);
+/* PressureCloses - whether the row of fluid particle a is near a free surface, so that it may be closed.
+   PressureClosure
+   - the closures of the last solve, [n_rows], zero in rows that are not closed. PressureStep - the step (s) of the
+   equation. PressureFull - sum V W on a full lattice (1). Not collective. */
+PetscBool        PressureCloses(Pressure pressure, PetscInt a);
+const PetscReal *PressureClosure(Pressure pressure);
+PetscReal        PressureStep(Pressure pressure);
+PetscReal        PressureFull(Pressure pressure);
 /* PressureDensity - the density by which the operators divide, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLattice - properties of a full lattice. diagonal: Lambda_0 of Nair & Tomar, the diagonal of Eq. (8) for V =

@@ -79,7 +79,9 @@ struct _p_Pressure {
   PetscBool free_surface;     /* some particle of some rank is on a free surface */
 
   /* of the gradient */
-  PetscReal regularization; /* 1 */
+  PetscReal  regularization; /* 1 */
+  PetscReal *outside;        /* [n_fluid] Pa, outside the free surface, while the gradient is computed */
+  PetscReal *outside_slope;  /* [n_fluid][3] Pa/m, its gradient along the surface */
 
   /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2. Rows are
      multiplied with the mass of their particle times row_scale, the reciprocal of the mass of a particle of the first

@@ -278,6 +278,9 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
   AddCapillary(pressure, rhs);
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->right_side)
+      PetscCall(pressure->low_rank[k].term->right_side(pressure->low_rank[k].context, pressure, rhs));
   PetscCall(AddKept(pressure, rhs));
   for (PetscInt r = 0; r < cloud->n_rows; r++) /* isolated particles have no pressure */
     if (pressure->pair_diagonal[r] == 0) rhs[r] = 0;
@@ -379,7 +382,11 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   if (SolverFailed(report))
     pressure->rebuild = PETSC_TRUE;
-  else
+  else {
     PetscCall(PressureToCloud(pressure, pressure->solver.x));
+    for (PetscInt k = 0; k < pressure->low_ranks; k++)
+      if (pressure->low_rank[k].term->solved)
+        PetscCall(pressure->low_rank[k].term->solved(pressure->low_rank[k].context, pressure));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

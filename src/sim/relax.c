@@ -77,6 +77,6 @@ PetscErrorCode StartAtRest(Sim sim)
   PetscCall(PetscArrayzero(arrays.real[FIELD_PRESSURE], arrays.n));
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCall(PackingSetVelocities(sim->packing));
-  PetscCall(StepperReset(sim->stepper));
+  PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -194,6 +194,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(SpectrumCreate(sim->cloud, sim->tension, sim->pressure, &sim->spectrum));
   PetscCall(SpectrumSetFromOptions(sim->spectrum));
   PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
+  GaugesSetRun(sim->gauges, sim->stepper);
   PetscCall(GaugesSetFromOptions(sim->gauges));
   GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), PressureGradientCorrected(sim->pressure),
                   TensionOnSurface(sim->tension));
@@ -242,6 +243,7 @@ PetscErrorCode SimSetUp(Sim sim)
                    (double)sim->time_end);
     SceneMoveSolids(sim->scene, sim->state.time);
     PetscCall(CloudResync(sim->cloud));
+    PetscCall(StepperReset(sim->stepper, PETSC_TRUE, &sim->state));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
   PetscCall(EmissionsAdd(EmittersOf(sim->stepper), sim->cloud, sim->packing, sim->state.time, restarting, &emitted));
@@ -340,7 +342,7 @@ PetscErrorCode SimCheckpoint(Sim sim)
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
   PetscCall(CloudResync(sim->cloud));
-  PetscCall(StepperReset(sim->stepper));
+  PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);

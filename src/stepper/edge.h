@@ -103,6 +103,9 @@ typedef struct {
   /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
      (s); *moved: a position or velocity changed */
   PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
+  /* at the positions of the sums, with surface tension, before the pressure of the former step acts: finds what
+     surrounds the liquid */
+  PetscErrorCode (*surround)(Stepper stepper);
   /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
   PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
   /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
@@ -122,6 +125,9 @@ typedef struct {
   PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* after the step has been accepted */
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
+  /* the cloud has been made anew from the stored fields, for a checkpoint or after one has been read (resumed): what
+     follows must depend on these fields and the edge's numbers alone, so that a restart goes on like the run */
+  PetscErrorCode (*renew)(Stepper stepper, PetscBool resumed, StepState *state);
 } Edge;
 
 extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */

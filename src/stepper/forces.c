@@ -215,6 +215,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   ShakingWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
   if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
+  StepHook(stepper, surround, stepper);
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
   if (SceneFrameTurns(cloud->scene) && !stepper->relaxing) PetscCall(AddCoriolis(stepper, dt));
   PetscCall(

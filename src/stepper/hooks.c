@@ -2,8 +2,8 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-extern const Edge MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge;
-const Edge *const StepEdges[] = {&MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge, &ResamplingEdge, NULL};
+extern const Edge MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge;
+const Edge *const StepEdges[] = {&MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge, &ResamplingEdge, &GasEdge, NULL};
 
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
 {
@@ -14,10 +14,13 @@ PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
   return n;
 }
 
-const NumberTable *StepperTable(PetscInt k)
+const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers)
 {
-  for (const Edge *const *edge = StepEdges; *edge; edge++)
-    if ((*edge)->table.name && k-- == 0) return &(*edge)->table;
+  for (const Edge *const *edge = StepEdges; *edge; edge++) {
+    if (!(*edge)->table.name || k-- > 0) continue;
+    *numbers = StepEdgeNumbers(StepEdges, state, (*edge)->name);
+    return &(*edge)->table;
+  }
   return NULL;
 }
 

@@ -211,10 +211,11 @@ PetscBool StepperRepairsAtOnce(Stepper stepper)
   return (PetscBool)(stepper->ops->at_once && !PressureTakesDivergence(stepper->pressure));
 }
 
-PetscErrorCode StepperReset(Stepper stepper)
+PetscErrorCode StepperReset(Stepper stepper, PetscBool resumed, StepState *state)
 {
   PetscFunctionBegin;
   PetscCall(PressureReset(stepper->pressure));
+  StepHook(stepper, renew, stepper, resumed, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

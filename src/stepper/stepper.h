@@ -35,7 +35,7 @@ typedef struct {
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
-  PetscReal edge[16];           /* numbers of the edges of a step: StepEdgeNumbers */
+  PetscReal edge[512];          /* numbers of the edges of a step: StepEdgeNumbers */
 } StepState;
 
 /* Numbers as rows of a table: checkpoints, restarts and the energy budget walk them. A number of the core has a row in
@@ -67,25 +67,25 @@ typedef struct {
 
 #define NUMBERS_MOST 64 /* of a list */
 
-/* Rows of numbers that an edge of a step keeps in the scene, for checkpoints: their name there, what they are, and row
-   k of the given width, NULL: there are only k. */
+/* Rows of numbers that an edge of a step keeps in the scene or among its numbers, for checkpoints: their name there,
+   what they are, and row k of the given width, NULL: there are only k. */
 typedef struct {
   const char *name, *meaning;
-  PetscReal *(*row)(Scene scene, PetscInt k, PetscInt *width);
+  PetscReal *(*row)(Scene scene, void *numbers, PetscInt k, PetscInt *width);
 } NumberTable;
 
 /* NumbersList - appends the numbers of a struct, by the rows of its table (NULL: none), to a list of n; returns how
    many the list has. StateNumbers - lists the numbers of a state, those of the edges last; returns how many.
    StepperEnergy - the sum of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so
    far, J, less the energy that left with liquid. StepperTable -
-   table k of the edges; NULL: there are only k. StepperReport - lines (LF at the end of each) about what the edges of a
-   step have done so far; text: at most 'length' bytes; copies: of the liquid in the whole scene (GaugeTotals); joule:
-   the unit of energies. Not collective. */
+   table k of the edges, and the numbers of its edge in a state; NULL: there are only k. StepperReport - lines (LF at
+   the end of each) about what the edges of a step have done so far; text: at most 'length' bytes; copies: of the liquid
+   in the whole scene (GaugeTotals); joule: the unit of energies. Not collective. */
 PetscInt           NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST]);
 PetscInt           StateNumbers(const StepState *state, Number list[NUMBERS_MOST]);
 PetscReal          StepperEnergy(const StepState *state, EnergyPart part);
 PetscReal          StepperOutsideWork(const StepState *state);
-const NumberTable *StepperTable(PetscInt k);
+const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers);
 PetscErrorCode     StepperReport(Scene scene, const StepState *state, PetscReal copies, const char joule[], char text[],
                                  size_t length);
 
@@ -130,9 +130,9 @@ PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperRepairsAtOnce - whether each step corrects all density errors. Then the first step turns those of the packing
    into velocities. Not collective. */
 PetscBool StepperRepairsAtOnce(Stepper stepper);
-/* StepperReset - forgets what former steps left beside the StepState: the next step is that of a restart. Collective.
- */
-PetscErrorCode StepperReset(Stepper stepper);
+/* StepperReset - forgets what former steps left beside the StepState: the next step is that of a restart. resumed: the
+   state has been read. Right after CloudResync. Collective. */
+PetscErrorCode StepperReset(Stepper stepper, PetscBool resumed, StepState *state);
 /* StepperSettle - moves the particles of a packing, in a few iterations, to places from which pressure does not drive
    them; without the divergence source and the corrected gradient the packing stays. Velocities stay those of the
    particles. Collective. StepperSettles - whether it does, not collective. */

@@ -32,6 +32,7 @@ FEATURES = {
                        "lines/", "gauges/spread.c"),
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
                       r"|TensionMoveLines|TensionHasLaw|\w*MovingLine\w*", 5),
+    "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 2),
     "interface": (("tension/interface.c", "pressure/interface.c", "scene/liquids.c"),
                   r"Interface[A-Z]\w*|\w+Interface|interface_\w+|SUM_LIQUIDS\w*|LIQUID_SUMS", 5),
 }

@@ -39,7 +39,7 @@ for path in files:
         case = os.path.join(ROOT, "cases", "drop_impact", "case.opts")
     for source in (case, path):
         for name, value in lines(source):
-            named |= set(value.split(",")) if name in ("bodies", "solids", "fine") else set()
+            named |= set(value.split(",")) if name in ("bodies", "solids", "fine") or name.endswith("_holes") else set()
     for name, _ in lines(path):
         body = next((body for body in named if name.startswith(body + "_") and name[len(body):] in tails), None)
         if not (name in known or body or re.match(PETSC, name)):

@@ -228,6 +228,11 @@ ENTRIES += [Entry("two_liquids", "drop, 2-d", size=TEST, file="drop.opts"),
 ENTRIES += tensions("retracting_sheet", spacings=(0.5e-3, 0.25e-3, 0.125e-3), coarse=(0.5e-3, 0.25e-3))
 ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", TEST)]
 
+# enclosed gas
+ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=RINGS),
+            Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"), Entry("rising_bubble"),
+            Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle")]
+
 # the gallery: scenes for a look and to start from, each with one number that is judged; not run as printed
 COLLIDE = "-options_file cases/drop_collision/"
 ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
@@ -247,7 +252,8 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "column", "turning_box", "dragged_cylinder",
-                "piston", "rotating_cup", "coated_plate", "honey", "floating_box", "two_liquids"}
+                "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "coated_plate", "honey",
+                "floating_box", "two_liquids"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)

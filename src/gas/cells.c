@@ -1,0 +1,409 @@
+/* Cells near free surfaces, and how far they are filled with liquid, walls and solids. */
+#include "gas_impl.h"
+
+#define SHIFT 3 /* a block has 2^SHIFT cells a direction */
+#define MARGIN                                                                                                         \
+  1.5 /* spacings that the cells reach into walls, where they are full: without them half of the part of W             \
+         that dry walls have in the box is missing, and a volume is short by d0/4 per wall */
+#define NEAR_WET 1.01 /* spacings around a particle inside in which a cell is full */
+#define ROW_MOST 64   /* cells of a line within a support */
+#define IMAGES   27
+
+enum { TOUCH_EMPTY, TOUCH_FULL, TOUCH_NEAR };
+enum { MARK_WET = 1, MARK_CLOSE = 2 };
+
+/* Maps of particles to their images: x' = sign x + offset. */
+typedef struct {
+  PetscReal sign[DIM], offset[DIM];
+} Image;
+
+/* The images of a particle at x that are within 'reach' (m) of the box, itself first. Returns their number. */
+static PetscInt Images(Domain domain, const PetscReal x[DIM], PetscReal reach, Image image[IMAGES])
+{
+  PetscInt n = 1;
+
+  image[0] = (Image){{1, 1, 1}, {0, 0, 0}};
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal length = domain->upper[d] - domain->lower[d];
+    const PetscInt  before = n;
+
+    for (PetscInt side = 0; side < 2; side++) {
+      const FaceType  face = domain->face[d][side];
+      const PetscReal at   = side ? domain->upper[d] : domain->lower[d];
+
+      if ((face != FACE_PERIODIC && face != FACE_SYMMETRY) || PetscAbsReal(x[d] - at) >= reach) continue;
+      for (PetscInt k = 0; k < before; k++) {
+        image[n] = image[k];
+        if (face == FACE_SYMMETRY)
+          image[n].sign[d] = -1, image[n++].offset[d] = 2 * at;
+        else
+          image[n++].offset[d] = side ? -length : length;
+      }
+    }
+  }
+  return n;
+}
+
+static void Map(const Image *image, const PetscReal x[DIM], PetscReal y[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * x[d] + image->offset[d];
+}
+
+static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
+{
+  PetscFunctionBegin;
+  if (cells->block) PetscFunctionReturn(PETSC_SUCCESS);
+  cells->all = 1, cells->volume = 1, cells->per = 1;
+  for (PetscInt d = 0; d < DIM; d++) {
+    PetscReal length = domain->upper[d] - domain->lower[d];
+
+    cells->lower[d] = domain->lower[d];
+    for (PetscInt side = 0; side < 2 && d < domain->dim; side++) {
+      if (domain->face[d][side] != FACE_WALL) continue;
+      length += MARGIN * domain->spacing;
+      if (side == 0) cells->lower[d] -= MARGIN * domain->spacing;
+    }
+    cells->n[d]      = d < domain->dim ? PetscMax(1, (PetscInt)PetscFloorReal(0.5 + length / domain->spacing)) : 1;
+    cells->size[d]   = length / cells->n[d];
+    cells->shift[d]  = d < domain->dim ? SHIFT : 0;
+    cells->blocks[d] = (cells->n[d] + (1 << cells->shift[d]) - 1) >> cells->shift[d];
+    cells->all *= cells->blocks[d];
+    cells->per <<= cells->shift[d];
+    if (d < domain->dim) cells->volume *= cells->size[d];
+  }
+  PetscCall(PetscMalloc1(cells->all, &cells->block));
+  PetscCall(PetscMalloc1(cells->all, &cells->home));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
+                        PetscInt first[DIM], PetscInt last[DIM])
+{
+  for (PetscInt d = 0; d < DIM; d++) {
+    first[d] = last[d] = 0;
+    if (d >= domain->dim) continue;
+    first[d] = (PetscInt)PetscMax(0, PetscCeilReal((x[d] - reach - cells->lower[d]) / cells->size[d] - 0.5));
+    last[d] =
+      (PetscInt)PetscMin(cells->n[d] - 1., PetscFloorReal((x[d] + reach - cells->lower[d]) / cells->size[d] - 0.5));
+    if (first[d] > last[d]) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+void GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM])
+{
+  const PetscInt *s = cells->shift, inside = node % cells->per,
+                 home =
+                   node < cells->near * cells->per ? cells->home[node / cells->per] : node - cells->near * cells->per;
+
+  CellCoordinates(cells->blocks, home, at);
+  for (PetscInt d = 0; d < DIM; d++) at[d] <<= s[d];
+  if (node >= cells->near * cells->per) return;
+  at[0] += inside & ((1 << s[0]) - 1);
+  at[1] += (inside >> s[0]) & ((1 << s[1]) - 1);
+  at[2] += inside >> (s[0] + s[1]);
+}
+
+PetscReal GasCellsVolume(const GasCells *cells, Domain domain, PetscInt i)
+{
+  const PetscReal x[DIM] = {cells->lower[0] + (i + 0.5) * cells->size[0], 0, 0};
+
+  return cells->volume * DomainPairLength(domain, x, x);
+}
+
+/* Whether a particle is inside liquid, so that what is next to it is full. */
+static PetscBool IsInside(Cloud cloud, Pressure pressure, PetscInt a)
+{
+  return (PetscBool)(a < cloud->n_fluid && !PressureCloses(pressure, a));
+}
+
+/* Calls 'visit' for the images of each owned particle. */
+typedef void (*Visitor)(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                        const PetscReal x[DIM], void *context);
+
+static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Visitor visit, void *context)
+{
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
+    const PetscReal  reach = cloud->size[a] * KernelSupport(cloud->kernel);
+    Image            image[IMAGES];
+    const PetscInt   n = Images(cloud->domain, x, reach, image);
+
+    for (PetscInt k = 0; k < n; k++) {
+      PetscReal y[DIM];
+
+      Map(&image[k], x, y);
+      visit(cells, cloud, a, inside[a], &image[k], y, context);
+    }
+  }
+}
+
+/* The blocks that a particle touches; context: [all] TOUCH_... */
+static void TouchBlocks(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                        const PetscReal x[DIM], void *context)
+{
+  const Domain   domain = cloud->domain;
+  unsigned char *touch  = (unsigned char *)context;
+  PetscInt       first[DIM], last[DIM];
+
+  if (!GasCellsRange(cells, domain, x, cloud->size[a] * (inside ? domain->spacing : KernelSupport(cloud->kernel)),
+                     first, last))
+    return;
+  for (PetscInt d = 0; d < DIM; d++) first[d] >>= cells->shift[d], last[d] >>= cells->shift[d];
+  for (PetscInt k = first[2]; k <= last[2]; k++)
+    for (PetscInt j = first[1]; j <= last[1]; j++)
+      for (PetscInt i = first[0]; i <= last[0]; i++) {
+        unsigned char *block = &touch[CellIndex(cells->blocks, i, j, k)];
+
+        *block = (unsigned char)PetscMax(*block, inside ? TOUCH_FULL : TOUCH_NEAR);
+      }
+}
+
+static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool inside[])
+{
+  unsigned char *touch;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(cells->all, &touch));
+  ForImages(cells, cloud, inside, TouchBlocks, touch);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touch, (PetscMPIInt)cells->all, MPI_UNSIGNED_CHAR, MPI_MAX, cloud->comm));
+  cells->near = 0;
+  for (PetscInt b = 0; b < cells->all; b++) {
+    cells->block[b] = touch[b] == TOUCH_EMPTY ? BLOCK_EMPTY : BLOCK_FULL;
+    if (touch[b] != TOUCH_NEAR) continue;
+    cells->home[cells->near] = b;
+    cells->block[b]          = cells->near++;
+  }
+  PetscCall(PetscFree(touch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Reserve(GasCells *cells)
+{
+  const PetscInt nodes = cells->near * cells->per + cells->all;
+
+  PetscFunctionBegin;
+  if (nodes <= cells->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  cells->capacity = nodes + nodes / 4;
+  PetscCall(PetscFree(cells->mark));
+  PetscCall(PetscFree(cells->filled));
+  PetscCall(PetscFree(cells->label));
+  PetscCall(PetscFree(cells->owner));
+  PetscCall(PetscMalloc1(cells->capacity, &cells->mark));
+  PetscCall(PetscMalloc1(cells->capacity, &cells->filled));
+  PetscCall(PetscMalloc1(cells->capacity, &cells->label));
+  PetscCall(PetscMalloc1(cells->capacity, &cells->owner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether one of the cells first .. last is in a block with cells. */
+static PetscBool Reaches(const GasCells *cells, const PetscInt first[DIM], const PetscInt last[DIM])
+{
+  const PetscInt *s = cells->shift;
+
+  for (PetscInt k = first[2] >> s[2]; k <= last[2] >> s[2]; k++)
+    for (PetscInt j = first[1] >> s[1]; j <= last[1] >> s[1]; j++)
+      for (PetscInt i = first[0] >> s[0]; i <= last[0] >> s[0]; i++)
+        if (cells->block[CellIndex(cells->blocks, i, j, k)] >= 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                      const PetscReal x[DIM], void *context)
+{
+  const PetscInt      end   = cells->near * cells->per;
+  const PetscReal     reach = inside ? NEAR_WET * cloud->domain->spacing : KernelSupport(cloud->kernel);
+  const unsigned char mark  = inside ? MARK_WET : MARK_CLOSE;
+  PetscInt            first[DIM], last[DIM];
+
+  if (!GasCellsRange(cells, cloud->domain, x, cloud->size[a] * reach, first, last) || !Reaches(cells, first, last))
+    return;
+  for (PetscInt k = first[2]; k <= last[2]; k++)
+    for (PetscInt j = first[1]; j <= last[1]; j++)
+      for (PetscInt i = first[0]; i <= last[0]; i++) {
+        const PetscInt node = GasCellsNode(cells, i, j, k);
+
+        if (node >= 0 && node < end) cells->mark[node] |= mark;
+      }
+}
+
+/* The cells of the line (j, k) from first to last, with the vector from their middles to x in units of the particle's
+   size, r2 and the node of each, -1 if it does not count: further than the support, or not 'wanted'. */
+typedef struct {
+  PetscInt  n, node[ROW_MOST];
+  PetscReal r[ROW_MOST][DIM], r2[ROW_MOST], W[ROW_MOST], F[ROW_MOST];
+} Line;
+
+static void LineSet(const GasCells *cells, Cloud cloud, const PetscReal x[DIM], PetscReal size,
+                    const PetscInt first[DIM], const PetscInt last[DIM], PetscInt j, PetscInt k, Line *line)
+{
+  const PetscInt  end      = cells->near * cells->per;
+  const PetscReal support2 = PetscSqr(KernelSupport(cloud->kernel));
+  const PetscInt  at[DIM]  = {0, j, k};
+  PetscReal       r[DIM]   = {0, 0, 0};
+
+  line->n = 0;
+  for (PetscInt d = 1; d < cloud->domain->dim; d++)
+    r[d] = (x[d] - cells->lower[d] - (at[d] + 0.5) * cells->size[d]) / size;
+  for (PetscInt i = first[0]; i <= last[0] && line->n < ROW_MOST; i++) {
+    const PetscInt node = GasCellsNode(cells, i, j, k);
+    PetscReal      r2;
+
+    r[0] = (x[0] - cells->lower[0] - (i + 0.5) * cells->size[0]) / size;
+    r2   = Dot(r, r);
+    if (node < 0 || node >= end || !(cells->mark[node] & MARK_CLOSE) || r2 >= support2) continue;
+    line->node[line->n] = node;
+    for (PetscInt d = 0; d < DIM; d++) line->r[line->n][d] = r[d];
+    line->r2[line->n++] = r2;
+  }
+}
+
+/* context: sum V W on a full lattice */
+static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                      const PetscReal x[DIM], void *context)
+{
+  const PetscReal size = cloud->size[a],
+                  part = cloud->domain->volume * cloud->relative_weight[a] / *(const PetscReal *)context;
+  PetscInt first[DIM], last[DIM];
+  Line     line;
+
+  if (!GasCellsRange(cells, cloud->domain, x, size * KernelSupport(cloud->kernel), first, last) ||
+      !Reaches(cells, first, last))
+    return;
+  for (PetscInt k = first[2]; k <= last[2]; k++)
+    for (PetscInt j = first[1]; j <= last[1]; j++) {
+      LineSet(cells, cloud, x, size, first, last, j, k, &line);
+      if (!line.n) continue;
+      KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, NULL);
+      for (PetscInt m = 0; m < line.n; m++) cells->filled[line.node[m]] += part * line.W[m];
+    }
+}
+
+/* Cells inside a solid, which has no particles in its core, are full. */
+static void FillSolids(GasCells *cells, Cloud cloud)
+{
+  const Scene scene = cloud->scene;
+
+  for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(scene) > 0; c++) {
+    PetscInt  at[DIM];
+    PetscReal x[DIM];
+
+    if (cells->filled[c] >= 0.5) continue;
+    GasCellsPlace(cells, c, at);
+    for (PetscInt d = 0; d < DIM; d++)
+      x[d] = d < cloud->domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
+    for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
+      if (BodyDistance(SceneSolid(scene, b), x) < -cloud->domain->spacing) cells->filled[c] = 1;
+  }
+  for (PetscInt b = 0; b < cells->all && SceneSolidCount(scene) > 0; b++) {
+    PetscInt  at[DIM];
+    PetscReal x[DIM];
+
+    if (cells->block[b] != BLOCK_EMPTY) continue;
+    CellCoordinates(cells->blocks, b, at);
+    for (PetscInt d = 0; d < DIM; d++)
+      x[d] = d < cloud->domain->dim ? cells->lower[d] + ((at[d] << cells->shift[d]) + 0.5) * cells->size[d] : 0;
+    for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
+      if (BodyDistance(SceneSolid(scene, s), x) < 0) cells->block[b] = BLOCK_FULL;
+  }
+}
+
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
+{
+  PetscReal  full = PressureFull(pressure);
+  PetscInt   count;
+  PetscBool *inside;
+
+  PetscFunctionBegin;
+  PetscCall(SetGrid(cells, cloud->domain));
+  PetscCall(PetscMalloc1(cloud->n_owned, &inside));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) inside[a] = IsInside(cloud, pressure, a);
+  PetscCall(SetBlocks(cells, cloud, inside));
+  PetscCall(Reserve(cells));
+  count = cells->near * cells->per;
+  PetscCall(PetscArrayzero(cells->mark, count));
+  ForImages(cells, cloud, inside, MarkCells, NULL);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->mark, (PetscMPIInt)count, MPI_UNSIGNED_CHAR, MPI_BOR, cloud->comm));
+  PetscCall(PetscArrayzero(cells->filled, count));
+  ForImages(cells, cloud, inside, FillCells, &full);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
+  for (PetscInt c = 0; c < count; c++)
+    if (cells->mark[c] == MARK_WET) cells->filled[c] = 1;
+  FillSolids(cells, cloud);
+  PetscCall(PetscFree(inside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The velocities of two states, and the rates that they give the volumes. */
+typedef struct {
+  PetscReal        full;
+  const PetscReal *v[2];
+  PetscReal       *rate[2];
+} Flux;
+
+static void AddRates(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                     const PetscReal x[DIM], void *context)
+{
+  const Flux     *flux = (const Flux *)context;
+  const PetscReal size = cloud->size[a], part = cloud->domain->volume * cloud->relative_weight[a] / flux->full;
+  PetscReal       u[2][DIM];
+  PetscInt        first[DIM], last[DIM];
+  Line            line;
+
+  for (PetscInt s = 0; s < 2; s++)
+    for (PetscInt d = 0; d < DIM; d++) u[s][d] = image->sign[d] * flux->v[s][DIM * a + d];
+  if (Dot(u[0], u[0]) + Dot(u[1], u[1]) == 0 ||
+      !GasCellsRange(cells, cloud->domain, x, size * KernelSupport(cloud->kernel), first, last) ||
+      !Reaches(cells, first, last))
+    return;
+  for (PetscInt k = first[2]; k <= last[2]; k++)
+    for (PetscInt j = first[1]; j <= last[1]; j++) {
+      LineSet(cells, cloud, x, size, first, last, j, k, &line);
+      if (!line.n) continue;
+      KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, line.F);
+      for (PetscInt m = 0; m < line.n; m++) {
+        const PetscInt owner = cells->owner[line.node[m]];
+        PetscInt       at[DIM];
+        PetscReal      volume;
+
+        if (owner <= 0) continue;
+        GasCellsPlace(cells, line.node[m], at);
+        volume = part * GasCellsVolume(cells, cloud->domain, at[0]);
+        for (PetscInt s = 0; s < 2; s++) {
+          PetscReal change = line.F[m] * Dot(line.r[m], u[s]) / size; /* of W, 1/s */
+
+          change -= line.W[m] * DomainLengthening(cloud->domain, x, u[s]); /* a longer ring has a smaller area */
+          flux->rate[s][owner] -= change * volume;
+        }
+      }
+    }
+}
+
+PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
+                             const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[])
+{
+  Flux       flux = {full, {v, w}, {rate_v, rate_w}};
+  PetscBool *inside;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(rate_v, count + 1));
+  PetscCall(PetscArrayzero(rate_w, count + 1));
+  PetscCall(PetscCalloc1(cloud->n_owned, &inside));
+  ForImages(cells, cloud, inside, AddRates, &flux);
+  PetscCall(PetscFree(inside));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_v, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_w, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasCellsDestroy(GasCells *cells)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(cells->block));
+  PetscCall(PetscFree(cells->home));
+  PetscCall(PetscFree(cells->mark));
+  PetscCall(PetscFree(cells->filled));
+  PetscCall(PetscFree(cells->label));
+  PetscCall(PetscFree(cells->owner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

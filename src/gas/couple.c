@@ -1,0 +1,310 @@
+/* Pockets of gas in the pressure equation. Each has one unknown pressure P (over that of the open air), which acts on
+   its rows like surface tension. With c_r the closure of row r times the pocket's share of what row r sees outside,
+   s = 1/(row_scale rho), and Q* the rate of the pocket's volume without the pressure, at whose start it is Q,
+
+     A p - c P = b,   Q' = Q* - dt s (c^T p - C P),  C = c^T share,   P = P(V) - K dt (b Q' - b Q),   K = gamma P/V,
+
+   V at the positions of the sums, in the middle of the step; b = 1/4 is stable for any step and has no damping. Without
+   P the equation is (A - c (D + C)^-1 c^T) p = b + c (D + C)^-1 g, D = 1/(K dt^2 b s): symmetric and positive. Gas of
+   constant volume has D = 0. It is the idea of Goldade, Aanjaneya and Batty 2020, of Caboussat, Picasso and Rappaz 2005
+   on grids: gas without density has one pressure.
+
+   The volume that the cells show is rough: 1 % of V is 1.4 kPa of air at 1 atm. So V follows its flux, the derivative
+   of the cells' sums by the velocities, and relaxes to the cells in MEMORY relaxation times.
+
+   Rows that see neither gas nor air (gaps between particles that are no surface) have the former pressure of the liquid
+   around them outside, not 0: beside gas at another pressure they would implode. Their closure stays: without it the
+   velocity of a particle with few neighbours grows from step to step (pressure/closure.c). Without pockets they keep
+   0, as dry dummy particles have: in the full box of the stirred tank the former pressure, with its mean or that of the
+   liquid taken off, was unstable in two of three packings that run with 0. */
+#include "gas_impl.h"
+
+#define CENTRED 0.25 /* b */
+#define MEMORY  4    /* relaxation times of the pressure in which the cells correct a volume */
+#define COUNTS  0.1  /* cells that are emptier count for what a row sees */
+#define LEAST   0.1  /* of the volume by the cells: the tracked one is not less */
+
+void GasForget(Gas *gas)
+{
+  gas->rows = gas->gaps = 0;
+  gas->now.count        = 0;
+}
+
+/* The mean pressure of the liquid around particle a. */
+static PetscReal PressureAround(Cloud cloud, PetscInt a)
+{
+  PetscReal sum = 0;
+  PetscInt  n   = 0;
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    if (cloud->integer[INT_LAYER][cloud->list[k]]) continue;
+    sum += cloud->field[FIELD_PRESSURE][cloud->list[k]];
+    n++;
+  }
+  return n ? sum / n : cloud->field[FIELD_PRESSURE][a];
+}
+
+static PetscErrorCode AddGap(Gas *gas, PetscInt a)
+{
+  PetscFunctionBegin;
+  if (gas->gaps == gas->gaps_capacity) {
+    gas->gaps_capacity = 2 * gas->gaps_capacity + 1024;
+    PetscCall(PetscRealloc((size_t)gas->gaps_capacity * sizeof(*gas->gap), &gas->gap));
+  }
+  gas->gap[gas->gaps++] = (GasGap){a, PressureAround(gas->cloud, a)};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddRow(Gas *gas, const GasRow *row)
+{
+  PetscFunctionBegin;
+  if (gas->rows == gas->rows_capacity) {
+    gas->rows_capacity = 2 * gas->rows_capacity + 1024;
+    PetscCall(PetscRealloc((size_t)gas->rows_capacity * sizeof(*gas->row), &gas->row));
+  }
+  gas->row[gas->rows++] = *row;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a row sees of one region, or of all: the kernel's sum over the empty parts of cells, and its gradient. */
+typedef struct {
+  PetscInt  region;
+  PetscReal sum, slope[DIM];
+} Sight;
+
+static void See(Sight *sight, PetscReal empty, PetscReal W, PetscReal F, const PetscReal r[DIM])
+{
+  sight->sum += empty * W;
+  for (PetscInt d = 0; d < DIM; d++) sight->slope[d] += empty * F * r[d];
+}
+
+/* What particle a sees; each: [GAS_SHARE] regions, returns how many. */
+static PetscInt Look(const Gas *gas, PetscInt a, Sight *all, Sight each[GAS_SHARE])
+{
+  const GasCells  *cells = &gas->now.cells;
+  const Cloud      cloud = gas->cloud;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, size = cloud->size[a],
+                  reach = size * KernelSupport(cloud->kernel);
+  PetscInt first[DIM], last[DIM], at[DIM], n = 0;
+
+  *all = (Sight){0};
+  if (!GasCellsRange(cells, cloud->domain, x, reach, first, last)) return 0;
+  for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
+  do {
+    const PetscInt  node   = GasCellsNode(cells, at[0], at[1], at[2]);
+    const PetscInt  region = node < 0                          ? GAS_LIQUID
+                             : node < cells->near * cells->per ? cells->owner[node]
+                                                               : cells->label[node];
+    const PetscReal empty  = node < 0 || node >= cells->near * cells->per ? 1 : 1 - cells->filled[node];
+    PetscReal       r[DIM] = {0, 0, 0}, r2, W, F;
+    PetscInt        m      = 0;
+
+    if (region < 0 || empty < COUNTS) continue;
+    for (PetscInt d = 0; d < cloud->domain->dim; d++) r[d] = x[d] - cells->lower[d] - (at[d] + 0.5) * cells->size[d];
+    r2 = Dot(r, r) / (size * size);
+    KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
+    while (m < n && each[m].region != region) m++;
+    if (m == GAS_SHARE) continue;
+    if (m == n) each[n++] = (Sight){.region = region};
+    See(&each[m], empty, W, F / (size * size), r);
+    See(all, empty, W, F / (size * size), r);
+  } while (CellNext(first, last, at));
+  return n;
+}
+
+PetscErrorCode GasFindRows(Gas *gas)
+{
+  Cloud cloud = gas->cloud;
+
+  PetscFunctionBegin;
+  gas->rows = gas->gaps = 0;
+  gas->layout           = cloud->layout;
+  for (PetscInt a = 0; a < cloud->n_fluid && gas->now.count; a++) {
+    Sight    all, each[GAS_SHARE];
+    PetscInt n;
+
+    if (!PressureCloses(gas->pressure, a)) continue;
+    n = Look(gas, a, &all, each);
+    if (all.sum == 0) PetscCall(AddGap(gas, a));
+    for (PetscInt m = 0; m < n; m++) {
+      GasRow row = {.row = a, .pocket = each[m].region - 1};
+
+      if (each[m].region == GAS_AIR || each[m].sum == 0) continue;
+      row.share = each[m].sum / all.sum;
+      for (PetscInt d = 0; d < DIM; d++) row.slope[d] = (each[m].slope[d] - row.share * all.slope[d]) / all.sum;
+      PetscCall(AddRow(gas, &row));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the rows are of the cloud's present order. */
+static PetscBool Acts(const Gas *gas)
+{
+  return (PetscBool)(gas->found && gas->layout == gas->cloud->layout);
+}
+
+/* q = (D + C)^-1 y */
+static PetscErrorCode Solve(const Gas *gas, PetscReal y[], PetscReal q[])
+{
+  Vec right, left;
+
+  PetscFunctionBegin;
+  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, gas->now.count, y, &right));
+  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, gas->now.count, q, &left));
+  PetscCall(MatSolve(gas->factor, right, left));
+  PetscCall(VecDestroy(&right));
+  PetscCall(VecDestroy(&left));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* C, and the rates of the volumes without the pressure and at the start. */
+static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
+{
+  const Cloud      cloud   = gas->cloud;
+  const PetscReal *closure = PressureClosure(pressure), kept = PressureKeptShare(pressure), dt = PressureStep(pressure),
+                  *p = cloud->field[FIELD_PRESSURE];
+  const PetscInt n   = gas->now.count;
+  PetscReal      moved[GAS_MOST];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(gas->matrix, n * n));
+  PetscCall(PetscArrayzero(moved, n));
+  for (GasRow *r = gas->row; r < gas->row + gas->rows; r++)
+    r->closure = PressureRow(pressure, r->row) < 0 ? 0 : closure[r->row] * r->share;
+  for (PetscInt q = 0, end; q < gas->rows; q = end) { /* rows that see several pockets couple them */
+    for (end = q; end < gas->rows && gas->row[end].row == gas->row[q].row; end++)
+      ;
+    for (PetscInt i = q; i < end; i++) {
+      moved[gas->row[i].pocket] += gas->row[i].closure * p[gas->row[i].row];
+      for (PetscInt j = q; j < end; j++)
+        gas->matrix[gas->row[i].pocket * n + gas->row[j].pocket] += gas->row[i].closure * gas->row[j].share;
+    }
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gas->matrix, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, moved, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscCall(GasCellsRates(&gas->now.cells, cloud, PressureFull(pressure), n, cloud->field[FIELD_VELOCITY_STAR],
+                          cloud->field[FIELD_VELOCITY], gas->star, gas->old));
+  for (PetscInt i = 0; i < n; i++) { /* the kept share of the pressure leaves the velocity */
+    for (PetscInt j = 0; j < n; j++) moved[i] -= gas->matrix[i * n + j] * gas->now.pocket[j + 1].pressure;
+    gas->star[i + 1] += kept * dt * cloud->domain->volume * moved[i];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetUp(void *context, Pressure pressure)
+{
+  Gas            *gas = (Gas *)context;
+  const PetscReal dt = PressureStep(pressure), s = gas->cloud->domain->volume /* 1/(row_scale rho) */,
+                  correction = PetscMin(1, dt / (MEMORY * PressureRelaxationTime(pressure)));
+  const PetscInt n           = gas->now.count;
+
+  PetscFunctionBegin;
+  gas->solved = PETSC_FALSE;
+  if (!Acts(gas) || !n) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Assemble(gas, pressure));
+  for (PetscInt k = 0; k < n; k++) {
+    Pocket   *pocket = &gas->now.pocket[k + 1];
+    PetscReal V;
+
+    /* the flux gives the fast changes of the volume, the cells the slow ones */
+    if (gas->before_known) pocket->tracked += dt * gas->old[k + 1];
+    pocket->tracked += correction * (pocket->volume - pocket->tracked);
+    V = pocket->tracked = PetscMax(pocket->tracked, LEAST * pocket->volume);
+    if (gas->matrix[k * n + k] == 0) { /* no row sees it */
+      gas->matrix[k * n + k] = 1;
+      gas->g[k]              = 0;
+    } else if (gas->exponent == 0)
+      gas->g[k] = ((pocket->amount - V) / (MEMORY * PressureRelaxationTime(pressure)) - gas->star[k + 1]) / (dt * s);
+    else {
+      const PetscReal P = gas->ambient * PetscPowReal(pocket->amount / V, gas->exponent), K = gas->exponent * P / V,
+                      stiff = K * dt * dt * CENTRED * s;
+
+      gas->g[k] = (P - gas->ambient - K * dt * CENTRED * (gas->star[k + 1] - gas->old[k + 1])) / stiff;
+      gas->matrix[k * n + k] += 1 / stiff;
+    }
+  }
+  PetscCall(MatDestroy(&gas->factor));
+  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, n, n, gas->matrix, &gas->factor));
+  PetscCall(MatCholeskyFactor(gas->factor, NULL, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* q = (D + C)^-1 (c^T p + g), p or g may be missing. */
+static PetscErrorCode Pressures(const Gas *gas, const PetscScalar p[], const PetscReal g[], PetscReal q[])
+{
+  const PetscInt n = gas->now.count;
+  PetscReal      y[GAS_MOST];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(y, n));
+  for (const GasRow *r = gas->row; r < gas->row + gas->rows && p; r++)
+    y[r->pocket] += r->closure * PetscRealPart(p[r->row]);
+  if (p) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, y, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, gas->cloud->comm));
+  for (PetscInt k = 0; k < n && g; k++) y[k] += g[k];
+  PetscCall(Solve(gas, y, q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Add(void *context, Pressure pressure, const PetscScalar p[], PetscScalar y[])
+{
+  const Gas *gas = (const Gas *)context;
+  PetscReal  q[GAS_MOST];
+
+  PetscFunctionBegin;
+  if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Pressures(gas, p, NULL, q));
+  for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++) y[r->row] -= r->closure * q[r->pocket];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
+{
+  const Gas      *gas  = (const Gas *)context;
+  const PetscReal kept = PressureKeptShare(pressure), *closure = PressureClosure(pressure);
+  PetscReal       q[GAS_MOST];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < gas->gaps && Acts(gas); k++)
+    rhs[gas->gap[k].row] += (1 - kept) * closure[gas->gap[k].row] * gas->gap[k].pressure;
+  if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Pressures(gas, NULL, gas->g, q));
+  for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++)
+    rhs[r->row] += r->closure * (q[r->pocket] - kept * gas->now.pocket[r->pocket + 1].pressure);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pressures after the solve. */
+static PetscErrorCode Solved(void *context, Pressure pressure)
+{
+  Gas      *gas = (Gas *)context;
+  PetscReal q[GAS_MOST];
+
+  PetscFunctionBegin;
+  if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Pressures(gas, gas->cloud->field[FIELD_PRESSURE], gas->g, q));
+  for (PetscInt k = 0; k < gas->now.count; k++) {
+    gas->kept[k + 1]                = gas->now.pocket[k + 1].pressure;
+    gas->now.pocket[k + 1].pressure = q[k];
+  }
+  gas->solved = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Outside(void *context, Pressure pressure, PetscReal outside[], PetscReal slope[])
+{
+  const Gas *gas = (const Gas *)context;
+
+  PetscFunctionBegin;
+  if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < gas->gaps; k++) outside[gas->gap[k].row] += gas->gap[k].pressure;
+  for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++) {
+    const PetscReal P = gas->now.pocket[r->pocket + 1].pressure;
+
+    outside[r->row] += r->share * P;
+    for (PetscInt d = 0; d < DIM; d++) slope[DIM * r->row + d] += r->slope[d] * P;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const LowRank GasTerm = {.set_up = SetUp, .add = Add, .right_side = RightSide, .solved = Solved, .outside = Outside};

@@ -1,0 +1,225 @@
+/* Gas without density that liquid encloses, as an edge of the step: one unknown pressure for each pocket. */
+#include "gas_impl.h"
+
+#define LOOK 8 /* steps after which pockets are looked for where there are none */
+
+static const OptionRow options[] = {
+  {"-gas",
+   "Gas that liquid, walls and solids enclose has a pressure, p V^exponent constant; else emptiness has that of the "
+   "open "
+   "air everywhere",
+   NULL, NULL, ROW_BOOL, offsetof(Gas, on)},
+  {"-gas_pressure", "Pressure of the open air, with -gas", "Pa", "(0, inf)", ROW_REAL, offsetof(Gas, ambient)},
+  {"-gas_exponent",
+   "Exponent of enclosed gas: 1.4 for quick changes of air, 1 for slow ones; 0: its volume is constant", "1",
+   "[0, inf)", ROW_REAL, offsetof(Gas, exponent)},
+  {"-gas_pressure_start", "Pressure of the gas that is enclosed at the start; 0: -gas_pressure", "Pa", "[0, inf)",
+   ROW_REAL, offsetof(Gas, start)},
+  {.name = NULL},
+};
+
+static const NumberRow rows[] = {
+  {"gas_work", NUMBER_REAL, offsetof(GasNumbers, work), ENERGY_GIVEN, "enclosed gas"},
+  {"gas_highest", NUMBER_REAL, offsetof(GasNumbers, highest), ENERGY_NONE, NULL},
+  {"gas_pockets", NUMBER_COUNT, offsetof(GasNumbers, count), ENERGY_NONE, NULL},
+  {"gas_known", NUMBER_COUNT, offsetof(GasNumbers, known), ENERGY_NONE, NULL},
+  {"gas_idle_steps", NUMBER_COUNT, offsetof(GasNumbers, idle), ENERGY_NONE, NULL},
+  {"gas_born", NUMBER_COUNT, offsetof(GasNumbers, born), ENERGY_NONE, NULL},
+  {"gas_split", NUMBER_COUNT, offsetof(GasNumbers, split), ENERGY_NONE, NULL},
+  {"gas_merged", NUMBER_COUNT, offsetof(GasNumbers, merged), ENERGY_NONE, NULL},
+  {"gas_ended", NUMBER_COUNT, offsetof(GasNumbers, ended), ENERGY_NONE, NULL},
+  {.name = NULL},
+};
+
+static PetscReal *Numbers(Scene scene, void *numbers, PetscInt k, PetscInt *width)
+{
+  GasNumbers *so_far = (GasNumbers *)numbers;
+
+  *width = POCKET_NUMBERS;
+  return k < PetscMin(so_far->count, GAS_MOST) ? (PetscReal *)&so_far->pocket[k] : NULL;
+}
+
+static PetscErrorCode Create(Stepper stepper)
+{
+  Gas *gas = GasOf(stepper);
+
+  PetscFunctionBegin;
+  gas->cloud    = StepperCloud(stepper);
+  gas->pressure = StepperPressure(stepper);
+  gas->ambient  = 101325;
+  gas->exponent = 1.4;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Options(Stepper stepper)
+{
+  Gas     *gas  = GasOf(stepper);
+  MPI_Comm comm = gas->cloud->comm;
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, "Enclosed gas", "Gas");
+  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, gas));
+  PetscOptionsEnd();
+  if (gas->start == 0) gas->start = gas->ambient;
+  if (gas->on) PetscCall(PressureAddLowRank(gas->pressure, &GasTerm, gas));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Destroy(Stepper stepper)
+{
+  Gas *gas = GasOf(stepper);
+
+  PetscFunctionBegin;
+  PetscCall(GasCellsDestroy(&gas->now.cells));
+  PetscCall(GasCellsDestroy(&gas->before.cells));
+  PetscCall(MatDestroy(&gas->factor));
+  PetscCall(PetscFree(gas->row));
+  PetscCall(PetscFree(gas->gap));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool On(Stepper stepper)
+{
+  return GasOf(stepper)->on;
+}
+
+static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+{
+  PetscFunctionBegin;
+  GasOf(stepper)->frozen = frozen;
+  GasForget(GasOf(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Restore(Stepper stepper)
+{
+  PetscFunctionBegin;
+  GasOf(stepper)->found = PETSC_FALSE;
+  GasForget(GasOf(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Surround(Stepper stepper)
+{
+  Gas *gas = GasOf(stepper);
+
+  PetscFunctionBegin;
+  if (gas->frozen || (gas->before_known && !gas->before.count && gas->idle < LOOK - 1))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GasFind(gas));
+  PetscCall(GasFindRows(gas));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the pockets before to the numbers of the state. */
+static void Keep(const Gas *gas, GasNumbers *so_far)
+{
+  so_far->count = gas->before.count;
+  so_far->known = gas->before_known;
+  for (PetscInt k = 0; k < so_far->count; k++) so_far->pocket[k] = gas->before.pocket[k + 1];
+}
+
+static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+{
+  Gas        *gas    = GasOf(stepper);
+  GasNumbers *so_far = (GasNumbers *)StepperNumbers(stepper, state, GAS_EDGE);
+
+  PetscFunctionBegin;
+  if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS);
+  gas->idle = so_far->idle = gas->found ? 0 : gas->idle + 1;
+  if (!gas->found) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 1; k <= gas->now.count && gas->solved; k++) {
+    const PetscReal P = gas->now.pocket[k].pressure;
+
+    so_far->work += 0.5 * state->time_step * gas->old[k] * (P + gas->kept[k]); /* up to the start of the step */
+    so_far->highest = PetscMax(so_far->highest, P);
+  }
+  so_far->born += gas->born;
+  so_far->split += gas->split;
+  so_far->merged += gas->merged;
+  so_far->ended += gas->ended;
+  GasSwap(gas);
+  GasForget(gas);
+  Keep(gas, so_far);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pocket of the state that is nearest to each that was found: the same one, unless regions have changed since the
+   last step. */
+static void Recognise(Gas *gas, const GasNumbers *so_far)
+{
+  for (PetscInt k = 1; k <= gas->now.count; k++) {
+    Pocket   *pocket = &gas->now.pocket[k];
+    PetscReal least  = PETSC_MAX_REAL;
+    PetscInt  found  = -1;
+
+    for (PetscInt b = 0; b < so_far->count; b++) {
+      PetscReal r[DIM];
+
+      for (PetscInt d = 0; d < DIM; d++) r[d] = pocket->center[d] - so_far->pocket[b].center[d];
+      DomainNearest(gas->cloud->domain, r);
+      if (Norm(r) >= least) continue;
+      least = Norm(r);
+      found = b;
+    }
+    if (found < 0) continue;
+    pocket->amount   = so_far->pocket[found].amount;
+    pocket->tracked  = so_far->pocket[found].tracked;
+    pocket->pressure = so_far->pocket[found].pressure;
+  }
+}
+
+static PetscErrorCode Renew(Stepper stepper, PetscBool resumed, StepState *state)
+{
+  Gas        *gas    = GasOf(stepper);
+  GasNumbers *so_far = (GasNumbers *)StepperNumbers(stepper, state, GAS_EDGE);
+
+  PetscFunctionBegin;
+  if (!so_far->known) PetscFunctionReturn(PETSC_SUCCESS);
+  gas->idle = so_far->idle;
+  PetscCall(GasFind(gas));
+  if (resumed) Recognise(gas, so_far);
+  GasSwap(gas);
+  GasForget(gas);
+  Keep(gas, so_far);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
+                             size_t length)
+{
+  const GasNumbers *so_far = (const GasNumbers *)numbers;
+
+  PetscFunctionBegin;
+  if (so_far->known)
+    PetscCall(PetscSNPrintf(text, length,
+                            "  gas         %" PetscInt_FMT " pockets; so far %" PetscInt_FMT " enclosed, %" PetscInt_FMT
+                            " split, %" PetscInt_FMT " merged, %" PetscInt_FMT
+                            " opened or filled; largest pressure %.4g Pa; work %.4g %s\n",
+                            so_far->count, so_far->born, so_far->split, so_far->merged, so_far->ended,
+                            (double)so_far->highest, (double)(copies * so_far->work), joule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const Refusal refusals[] = {{"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"},
+                                   {"-gas", NOT_WITH, FEATURE_DENSITIES, ""},
+                                   {.one = NULL}};
+
+const Edge GasEdge = {.name        = GAS_EDGE,
+                      .refusals    = refusals,
+                      .data_size   = sizeof(Gas),
+                      .number_size = sizeof(GasNumbers),
+                      .numbers     = rows,
+                      .table  = {"gas_pocket_table", "of each pocket: amount, tracked volume, pressure, volume, centre",
+                                 Numbers},
+                      .create = Create,
+                      .destroy  = Destroy,
+                      .on       = On,
+                      .drives   = On,
+                      .options  = Options,
+                      .report   = Report,
+                      .freeze   = Freeze,
+                      .restore  = Restore,
+                      .surround = Surround,
+                      .commit   = Commit,
+                      .renew    = Renew};

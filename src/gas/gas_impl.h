@@ -1,0 +1,138 @@
+/* Private to gas/: pockets of gas, an edge of the step. */
+#ifndef ISPH_GAS_IMPL_H
+#define ISPH_GAS_IMPL_H
+
+#include "../stepper/edge.h"
+
+#define GAS_EDGE  "gas" /* the name of the edge */
+#define GAS_MOST  64    /* pockets; further regions, the smallest, have no gas */
+#define GAS_SHARE 8     /* pockets that a row may see */
+
+/* What a region of emptiness is, or the number of a pocket, 1 ... count. */
+enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
+
+/* --- cells.c: cells of one spacing near free surfaces, walls and solids, the same on every rank. Cells lie in blocks;
+   a block that no such particle reaches has no cells, it is empty or full as a whole. A node is a cell or an empty
+   block. --- */
+typedef struct {
+  PetscInt       n[DIM], blocks[DIM];   /* cells and blocks a direction */
+  PetscInt       shift[DIM];            /* a block has 2^shift cells a direction */
+  PetscReal      lower[DIM], size[DIM]; /* m */
+  PetscReal      volume;                /* of a cell, m^dim, of the cross section of rings */
+  PetscInt       per, near, all;        /* cells of a block, blocks with cells, blocks */
+  PetscInt       capacity;              /* nodes */
+  PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
+  PetscInt      *home;                  /* [near] the block with this number */
+  unsigned char *mark;                  /* [near][per] MARK_WET, MARK_CLOSE */
+  PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscInt      *label;                 /* [nodes] */
+  PetscInt      *owner;                 /* [near][per] the region around, a few cells into the liquid, too */
+} GasCells;
+
+#define BLOCK_EMPTY (-1)
+#define BLOCK_FULL  (-2)
+
+/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud. GasCellsRates - how fast
+   the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the velocities v and with w
+   ([n_owned][3], m/s): the derivative of the sums of the cells. full: PressureFull. Collective. GasCellsNode - the node
+   of a cell, -1: full. Not collective. */
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure);
+PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
+                             const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[]);
+PetscErrorCode GasCellsDestroy(GasCells *cells);
+
+static inline PetscInt GasCellsNode(const GasCells *cells, PetscInt i, PetscInt j, PetscInt k)
+{
+  const PetscInt *s     = cells->shift;
+  const PetscInt  home  = ((k >> s[2]) * cells->blocks[1] + (j >> s[1])) * cells->blocks[0] + (i >> s[0]);
+  const PetscInt  block = cells->block[home];
+
+  if (block == BLOCK_FULL) return -1;
+  if (block == BLOCK_EMPTY) return cells->near * cells->per + home;
+  return block * cells->per + ((((k & ((1 << s[2]) - 1)) << s[1]) + (j & ((1 << s[1]) - 1))) << s[0]) +
+         (i & ((1 << s[0]) - 1));
+}
+/* GasCellsPlace - the cell of a node; of an empty block its first. GasCellsVolume - the volume of a cell, of rings the
+   whole (m3). GasCellsRange - the cells whose middles lie within 'reach' (m) of x (m); false: there are none. Not
+   collective. */
+void      GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM]);
+PetscReal GasCellsVolume(const GasCells *cells, Domain domain, PetscInt i);
+PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
+                        PetscInt first[DIM], PetscInt last[DIM]);
+
+/* --- regions.c --- */
+
+typedef struct {
+  PetscReal amount;      /* its volume at the pressure of the open air, m^dim (m3 of rings) */
+  PetscReal tracked;     /* its volume, by its flux and the cells, m^dim */
+  PetscReal pressure;    /* Pa, over that of the open air */
+  PetscReal volume;      /* by the cells, m^dim */
+  PetscReal center[DIM]; /* m */
+} Pocket;
+#define POCKET_NUMBERS ((PetscInt)(sizeof(Pocket) / sizeof(PetscReal)))
+
+/* The numbers of the edge in a StepState. */
+typedef struct {
+  PetscReal work;                       /* done by gas on the liquid, J */
+  PetscReal highest;                    /* largest pressure so far, Pa */
+  PetscInt  count, known, idle;         /* pockets; they have been looked for; steps since then */
+  PetscInt  born, split, merged, ended; /* pockets so far: enclosed, parted, joined, opened or filled */
+  Pocket    pocket[GAS_MOST];
+} GasNumbers;
+
+/* Pockets and the cells by which they are found. */
+typedef struct {
+  GasCells cells;
+  PetscInt count;
+  Pocket   pocket[GAS_MOST + 1]; /* from 1 on */
+} Pockets;
+
+/* A row beside pocket k - 1: the pocket's share of what the row sees outside, and its slope. */
+typedef struct {
+  PetscInt  row, pocket;
+  PetscReal closure, share, slope[DIM];
+} GasRow;
+
+/* A row that sees neither gas nor air, although its neighbourhood has gaps, and the former pressure around it, Pa. */
+typedef struct {
+  PetscInt  row;
+  PetscReal pressure;
+} GasGap;
+
+/* The data of the edge. */
+typedef struct {
+  PetscBool on, frozen;
+  PetscReal ambient, exponent, start; /* Pa; p V^exponent is constant; Pa, of the pockets of the start */
+  Cloud     cloud;                    /* borrowed */
+  Pressure  pressure;                 /* borrowed */
+  Pockets   now, before;              /* of this trial; of the last step */
+  PetscBool before_known, found, solved;
+  PetscInt  idle;                       /* steps since pockets were looked for */
+  PetscInt  born, split, merged, ended; /* in this step */
+  PetscInt  layout;                     /* of the cloud, when the rows were found */
+  PetscInt  rows, rows_capacity, gaps, gaps_capacity;
+  GasRow   *row;
+  GasGap   *gap;
+  Mat       factor;                                   /* of D + C, by Cholesky */
+  PetscReal g[GAS_MOST], matrix[GAS_MOST * GAS_MOST]; /* D + C */
+  PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
+  PetscReal kept[GAS_MOST + 1];                    /* pressures of the former step, Pa */
+} Gas;
+
+static inline Gas *GasOf(Stepper stepper)
+{
+  return (Gas *)StepEdgeData(stepper, GAS_EDGE);
+}
+
+/* GasFind - finds the regions without liquid at the positions of the cloud, and gives pockets what pockets before had.
+   Collective. GasSwap - the pockets now become those before. Not collective. */
+PetscErrorCode GasFind(Gas *gas);
+void           GasSwap(Gas *gas);
+
+/* --- couple.c --- */
+extern const LowRank GasTerm; /* its context is a Gas */
+/* GasFindRows - finds rows and gaps after GasFind. GasForget - there are none. Not collective. */
+PetscErrorCode GasFindRows(Gas *gas);
+void           GasForget(Gas *gas);
+
+#endif

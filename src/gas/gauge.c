@@ -1,0 +1,101 @@
+/* Pockets of gas: columns of the series, and a table of them. They are those of the last step, in whose middle they
+   were found. */
+#include "../gauges/columns.h"
+#include "gas_impl.h"
+
+typedef struct {
+  PetscBool wanted; /* the table */
+} PocketGauge;
+
+static const OptionRow options[] = {
+  {"-gauge_pockets", "Write pockets.csv: volume, pressure, amount and centre of each pocket of gas, with -gas", NULL,
+   NULL, ROW_BOOL, offsetof(PocketGauge, wanted)},
+  {.name = NULL},
+};
+
+/* The gas of the run; NULL: it has none. */
+static const Gas *RunGas(Gauges gauges)
+{
+  Stepper stepper = (Stepper)GaugesRun(gauges);
+
+  return stepper && GasOf(stepper)->on ? GasOf(stepper) : NULL;
+}
+
+static PetscErrorCode Check_Pockets(Gauges gauges, void *data)
+{
+  PetscFunctionBegin;
+  PetscCheckUser(!((PocketGauge *)data)->wanted || RunGas(gauges), GaugesCloud(gauges)->comm,
+                 "-gauge_pockets needs -gas: without it there are no pockets of gas");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Columns_Pockets(Gauges gauges, const void *data, ColumnList *list)
+{
+  PetscFunctionBegin;
+  if (!RunGas(gauges)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_RUN, .of = OF_SCENE}, "gas_pockets"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_SCENE}, "gas_volume"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_SCENE, .needs = NEEDS_PRESSURE},
+                      "gas_pressure_max"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Measure_Pockets(Gauges gauges, const void *data, PetscReal values[])
+{
+  const Pockets *pockets = &RunGas(gauges)->before;
+
+  PetscFunctionBegin;
+  values[0] = pockets->count;
+  values[1] = 0;
+  values[2] = pockets->count ? PETSC_MIN_REAL : NAN;
+  for (PetscInt k = 1; k <= pockets->count; k++) {
+    values[1] += pockets->pocket[k].tracked;
+    values[2] = PetscMax(values[2], pockets->pocket[k].pressure);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ColumnsTable_Pockets(Gauges gauges, const void *data, ColumnList *list)
+{
+  const Column place = {.unit = "m", .counts = COUNTS_VALUE, .of = OF_PIECE};
+
+  PetscFunctionBegin;
+  if (!((const PocketGauge *)data)->wanted) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_RUN, .of = OF_PIECE}, "pocket"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_PIECE}, "volume"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_PIECE, .needs = NEEDS_PRESSURE},
+                      "pressure"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_PIECE}, "amount"));
+  PetscCall(ColumnAddVector(list, place, 0, DIM - 1, ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Rows_Pockets(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
+{
+  const PetscInt width   = 4 + DIM;
+  const Pockets *pockets = &RunGas(gauges)->before;
+  PetscMPIInt    rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(GaugesCloud(gauges)->comm, &rank));
+  *count = rank ? 0 : pockets->count;
+  PetscCall(PetscMalloc1(width * *count, values));
+  for (PetscInt k = 0; k < *count; k++) {
+    const Pocket   *pocket = &pockets->pocket[k + 1];
+    const PetscReal row[]  = {k + 1., pocket->tracked, pocket->pressure, pocket->amount};
+
+    PetscCall(PetscArraycpy(*values + width * k, row, 4));
+    PetscCall(PetscArraycpy(*values + width * k + 4, pocket->center, DIM));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const GaugeTable tables[] = {
+  {.file = "pockets.csv", .columns = ColumnsTable_Pockets, .rows = Rows_Pockets, .events = PETSC_TRUE}, {.file = NULL}};
+
+const GaugeKind GaugePockets = {.bytes   = sizeof(PocketGauge),
+                                .options = options,
+                                .check   = Check_Pockets,
+                                .columns = Columns_Pockets,
+                                .measure = Measure_Pockets,
+                                .tables  = tables};

@@ -1,0 +1,329 @@
+/* Regions without liquid: the open air, from which a way leads to an open face of the box; pockets of gas; voids, which
+   have neither. A region that closes keeps the air in it; what opens between liquid is a void. */
+#include "gas_impl.h"
+
+#define FILLED   0.5 /* cells that are filled by less are empty */
+#define SMALLEST 4   /* cells of a pocket, at least; gas in fewer dissolves */
+#define REACH    3   /* cells around a region in which what is not filled is the region's */
+
+/* A region while regions are found. */
+typedef struct {
+  PetscInt cells;
+  PetscInt label; /* GAS_AIR, GAS_VOID, or the number of a pocket */
+} Region;
+
+typedef struct {
+  Region  *region;
+  PetscInt count, capacity;
+} Regions;
+
+typedef void (*NodeVisitor)(PetscInt node, void *context);
+
+/* What a walk over the cells needs. */
+typedef struct {
+  GasCells *cells;
+  Domain    domain;
+  PetscInt *queue, tail, region;
+  PetscBool open; /* the region reaches an open face */
+} Walk;
+
+static PetscBool IsEmpty(const GasCells *cells, PetscInt node)
+{
+  return (PetscBool)(node >= cells->near * cells->per || cells->filled[node] < FILLED);
+}
+
+/* Takes cell (at[0], at[1], at[2]), which may be beyond a face in direction d, to its node; negative: there is none.
+ *open: it is beyond an open face. */
+static PetscInt Beyond(const GasCells *cells, Domain domain, PetscInt d, const PetscInt at[DIM], PetscBool *open)
+{
+  PetscInt place[DIM] = {at[0], at[1], at[2]};
+
+  if (place[d] < 0 || place[d] >= cells->n[d]) {
+    const FaceType face = domain->face[d][place[d] < 0 ? 0 : 1];
+
+    if (face == FACE_OPEN) *open = PETSC_TRUE;
+    if (face != FACE_PERIODIC) return -1;
+    place[d] = (place[d] + cells->n[d]) % cells->n[d];
+  }
+  return GasCellsNode(cells, place[0], place[1], place[2]);
+}
+
+/* Visits the nodes beside a node; *open becomes true if it is at an open face. */
+static void ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open, NodeVisitor visit,
+                          void *context)
+{
+  const PetscBool block = (PetscBool)(node >= cells->near * cells->per);
+  PetscInt        lower[DIM], upper[DIM];
+
+  GasCellsPlace(cells, node, lower);
+  for (PetscInt d = 0; d < DIM; d++)
+    upper[d] = block ? PetscMin(cells->n[d], lower[d] + (1 << cells->shift[d])) - 1 : lower[d];
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt side = 0; side < 2; side++) {
+      PetscInt first[DIM], last[DIM], at[DIM];
+
+      for (PetscInt e = 0; e < DIM; e++) first[e] = at[e] = lower[e], last[e] = upper[e];
+      first[d] = at[d] = last[d] = side ? upper[d] + 1 : lower[d] - 1;
+      do {
+        const PetscInt next = Beyond(cells, domain, d, at, open);
+
+        if (next >= 0) visit(next, context);
+      } while (CellNext(first, last, at));
+    }
+}
+
+static void Join(PetscInt node, void *context)
+{
+  Walk *walk = (Walk *)context;
+
+  if (walk->cells->label[node] != GAS_LIQUID || !IsEmpty(walk->cells, node)) return;
+  walk->cells->label[node]  = walk->region;
+  walk->queue[walk->tail++] = node;
+}
+
+static PetscInt NodeCells(const GasCells *cells, PetscInt node)
+{
+  PetscInt at[DIM], n = 1;
+
+  if (node < cells->near * cells->per) return 1;
+  GasCellsPlace(cells, node, at);
+  for (PetscInt d = 0; d < DIM; d++) n *= PetscMin(cells->n[d] - at[d], 1 << cells->shift[d]);
+  return n;
+}
+
+/* Whether a node is a cell of the grid or an empty block: the last block along a direction may reach beyond it. */
+static PetscBool Exists(const GasCells *cells, PetscInt node)
+{
+  PetscInt at[DIM];
+
+  if (node >= cells->near * cells->per)
+    return (PetscBool)(cells->block[node - cells->near * cells->per] == BLOCK_EMPTY);
+  GasCellsPlace(cells, node, at);
+  return (PetscBool)(at[0] < cells->n[0] && at[1] < cells->n[1] && at[2] < cells->n[2]);
+}
+
+/* Labels the nodes with the numbers of their regions, and says which regions are open air. queue: [nodes], and on
+   return all labelled nodes, *labelled of them. */
+static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions, PetscInt queue[], PetscInt *labelled)
+{
+  const PetscInt nodes = cells->near * cells->per + cells->all;
+  Walk           walk  = {.cells = cells, .domain = domain, .queue = queue};
+  PetscInt       head  = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < nodes; c++) cells->label[c] = GAS_LIQUID;
+  for (PetscInt seed = 0; seed < nodes; seed++) {
+    if (cells->label[seed] != GAS_LIQUID || !IsEmpty(cells, seed) || !Exists(cells, seed)) continue;
+    if (regions->count == regions->capacity) {
+      regions->capacity = 2 * regions->capacity + 64;
+      PetscCall(PetscRealloc((size_t)regions->capacity * sizeof(Region), &regions->region));
+    }
+    walk.region                           = regions->count;
+    walk.open                             = PETSC_FALSE;
+    regions->region[regions->count].cells = 0;
+    Join(seed, &walk);
+    for (; head < walk.tail; head++) {
+      regions->region[regions->count].cells += NodeCells(cells, queue[head]);
+      ForNeighbours(cells, domain, queue[head], &walk.open, Join, &walk);
+    }
+    regions->region[regions->count++].label = walk.open ? GAS_AIR : GAS_VOID;
+  }
+  *labelled = walk.tail;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Own(PetscInt node, void *context)
+{
+  Walk *walk = (Walk *)context;
+
+  if (node >= walk->cells->near * walk->cells->per || walk->cells->owner[node] != GAS_LIQUID) return;
+  walk->cells->owner[node]  = walk->region;
+  walk->queue[walk->tail++] = node;
+}
+
+/* Gives the cells within REACH of a region to it. */
+static void Spread(GasCells *cells, Domain domain, PetscInt queue[], PetscInt labelled)
+{
+  const PetscInt count = cells->near * cells->per;
+  Walk           walk  = {.cells = cells, .domain = domain, .queue = queue, .tail = labelled};
+
+  for (PetscInt c = 0; c < count; c++) cells->owner[c] = cells->label[c];
+  for (PetscInt layer = 0, from = 0; layer < REACH; layer++) {
+    const PetscInt end = walk.tail;
+
+    for (; from < end; from++) {
+      if (queue[from] >= count) continue;
+      walk.region = cells->owner[queue[from]];
+      ForNeighbours(cells, domain, queue[from], &walk.open, Own, &walk);
+    }
+  }
+}
+
+/* The volumes of the pockets and their centres. */
+static void Measure(Pockets *pockets, Domain domain)
+{
+  const GasCells *cells = &pockets->cells;
+  const PetscInt  count = cells->near * cells->per;
+
+  for (PetscInt k = 1; k <= pockets->count; k++) {
+    pockets->pocket[k].volume = 0;
+    PetscArrayzero(pockets->pocket[k].center, DIM);
+  }
+  for (PetscInt node = 0; node < count + cells->all; node++) {
+    const PetscInt owner = node < count ? cells->owner[node] : cells->label[node];
+    PetscInt       at[DIM], first[DIM], last[DIM];
+
+    if (owner <= 0 || !Exists(cells, node)) continue;
+    GasCellsPlace(cells, node, first);
+    for (PetscInt d = 0; d < DIM; d++) {
+      at[d]   = first[d];
+      last[d] = node < count ? first[d] : PetscMin(cells->n[d], first[d] + (1 << cells->shift[d])) - 1;
+    }
+    do {
+      const PetscReal V = (node < count ? 1 - cells->filled[node] : 1) * GasCellsVolume(cells, domain, at[0]);
+
+      pockets->pocket[owner].volume += V;
+      for (PetscInt d = 0; d < domain->dim; d++)
+        pockets->pocket[owner].center[d] += V * (cells->lower[d] + (at[d] + 0.5) * cells->size[d]);
+    } while (CellNext(first, last, at));
+  }
+  for (PetscInt k = 1; k <= pockets->count; k++)
+    for (PetscInt d = 0; d < DIM && pockets->pocket[k].volume > 0; d++)
+      pockets->pocket[k].center[d] /= pockets->pocket[k].volume;
+}
+
+/* How many cells of pocket b before, from 1 on, are now in region r, [b (count + 1) + r]; in [b (count + 1) + count]
+   those of all regions; b = 0: of the open air before. */
+static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt **common)
+{
+  const GasCells *now = &gas->now.cells, *before = &gas->before.cells;
+  const PetscInt  width = regions->count + 1, nodes = before->near * before->per + before->all;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1((gas->before.count + 1) * width, common));
+  for (PetscInt node = 0; node < nodes; node++) {
+    const PetscInt b = before->label[node];
+    PetscInt       at[DIM], first[DIM], last[DIM];
+
+    if (b < 0 || !Exists(before, node)) continue;
+    GasCellsPlace(before, node, first);
+    for (PetscInt d = 0; d < DIM; d++) {
+      at[d] = first[d];
+      last[d] =
+        node < before->near * before->per ? first[d] : PetscMin(before->n[d], first[d] + (1 << before->shift[d])) - 1;
+    }
+    do {
+      const PetscInt here = GasCellsNode(now, at[0], at[1], at[2]), region = here < 0 ? -1 : now->label[here];
+
+      if (region < 0) continue;
+      (*common)[b * width + region]++;
+      (*common)[b * width + regions->count]++;
+    } while (CellNext(first, last, at));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pocket of region r, from the pockets and the air that had its cells; *air: its cells that were air; returns from
+   how many pockets it is. Volumes are not yet known: 'amount' and 'tracked' are without the air's. */
+static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width, PetscInt r, Pocket *pocket,
+                        PetscInt *air)
+{
+  PetscInt from = common[r], sources = 0;
+
+  *air    = common[r];
+  *pocket = (Pocket){0};
+  for (PetscInt b = 1; b <= gas->before.count; b++) {
+    const PetscInt  cells = common[b * width + r];
+    const PetscReal share = cells / (PetscReal)PetscMax(1, common[b * width + width - 1]);
+
+    if (!cells) continue;
+    sources++;
+    from += cells;
+    pocket->amount += share * gas->before.pocket[b].amount;
+    pocket->tracked += share * gas->before.pocket[b].tracked;
+    pocket->pressure += cells * gas->before.pocket[b].pressure;
+  }
+  pocket->pressure /= PetscMax(1, from);
+  return sources;
+}
+
+/* Decides which regions are pockets and what gas they have. Without pockets before, at the start, every region that is
+   not open has gas. */
+static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
+{
+  const PetscInt width  = regions->count + 1;
+  PetscInt      *common = NULL;
+
+  PetscFunctionBegin;
+  gas->now.count = 0;
+  gas->born = gas->merged = gas->split = 0;
+  if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
+  for (PetscInt r = 0; r < regions->count; r++) {
+    Region  *region  = &regions->region[r];
+    Pocket   pocket  = {0};
+    PetscInt was_air = 0, sources = 0;
+
+    if (region->label == GAS_AIR || region->cells < SMALLEST || gas->now.count == GAS_MOST) continue;
+    if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
+    if (gas->before_known && sources + was_air == 0) continue; /* a void */
+    region->label                   = ++gas->now.count;
+    gas->now.pocket[gas->now.count] = pocket;
+    air[gas->now.count]             = gas->before_known ? was_air / (PetscReal)region->cells : 1;
+    gas->born += gas->before_known && sources == 0;
+    gas->merged += PetscMax(0, sources - 1);
+  }
+  for (PetscInt b = 1; b <= gas->before.count && common; b++) {
+    PetscInt into = 0;
+
+    for (PetscInt r = 0; r < regions->count; r++) into += regions->region[r].label > 0 && common[b * width + r] > 0;
+    gas->split += PetscMax(0, into - 1);
+    gas->ended += into == 0;
+  }
+  PetscCall(PetscFree(common));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasFind(Gas *gas)
+{
+  GasCells *cells   = &gas->now.cells;
+  Domain    domain  = gas->cloud->domain;
+  Regions   regions = {NULL, 0, 0};
+  PetscReal air[GAS_MOST + 1];
+  PetscInt *queue, labelled = 0, nodes;
+
+  PetscFunctionBegin;
+  gas->ended = 0;
+  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure));
+  nodes = cells->near * cells->per + cells->all;
+  PetscCall(PetscMalloc1(nodes, &queue));
+  PetscCall(Connect(cells, domain, &regions, queue, &labelled));
+  PetscCall(Choose(gas, &regions, air));
+  for (PetscInt c = 0; c < nodes; c++)
+    if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
+  Spread(cells, domain, queue, labelled);
+  Measure(&gas->now, domain);
+  for (PetscInt k = 1; k <= gas->now.count; k++) {
+    Pocket *pocket = &gas->now.pocket[k];
+
+    /* what was air has the air's pressure, at the start that of the option */
+    pocket->amount +=
+      air[k] * pocket->volume *
+      (gas->before_known || gas->exponent == 0 ? 1 : PetscPowReal(gas->start / gas->ambient, 1 / gas->exponent));
+    pocket->tracked += air[k] * pocket->volume;
+  }
+  gas->found = PETSC_TRUE;
+  PetscCall(PetscFree(queue));
+  PetscCall(PetscFree(regions.region));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void GasSwap(Gas *gas)
+{
+  const GasCells cells = gas->before.cells;
+
+  gas->before       = gas->now;
+  gas->now.cells    = cells;
+  gas->now.count    = 0;
+  gas->before_known = PETSC_TRUE;
+  gas->found        = PETSC_FALSE;
+}
