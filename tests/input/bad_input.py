@@ -54,6 +54,7 @@ def core():
     refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
     refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
     for name, words in (("-spacing 0.1cP", ["is 0.1cP", "a number", "in m,", "mm, cm behind it"]),
+                        ("-spacing 0.1,0.2", ["-spacing is 0.1,0.2; a number is wanted"]),
                         ("-spacing 100 mm", ["100 mm stands in two words", "100mm"]),
                         ("-kernel_ratio 1mm", ["is 1mm", "with nothing"]),
                         ("-steps_max 1s", ["is 1s", "with nothing"]),

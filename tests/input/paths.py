@@ -37,6 +37,14 @@ def paths():
                    str(used(folder, "-p_motion_file")))
         energy = runs.series(folder)["kinetic_energy"]
         runs.check_below(abs(energy[1:] / right[1:] - 1).max(), 0 if ranks == 1 else 1e-3, f"the_same_run_on_{ranks}")
+    corners = ((0.2, 0.2, 0.2), (0.8, 0.2, 0.2), (0.2, 0.8, 0.2), (0.2, 0.2, 0.8))  # each rank reads a mesh itself
+    faces = "".join("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in (
+        corners[k] for k in face)) + "endloop\nendfacet\n" for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)))
+    write(os.path.join(here, "deep", "part.stl"), f"solid part\n{faces}endsolid part\n")
+    block = write(os.path.join(here, "deep", "block.opts"), "-spacing 0.1\n-box_lower 0,0,0\n-box_upper 1,1,1\n"
+                  "-bodies a\n-solids part\n-part_shape stl\n-part_file part.stl\n-steps_max 1\n-time_step 1e-3\n")
+    folder = runs.run(f"-options_file {block}", "mesh", ranks=2)
+    runs.check(used(folder, "-part_file").endswith("deep/part.stl"), "a_mesh_is_found_on_2", used(folder, "-part_file"))
     above = write(os.path.join(here, "above.opts"), f"-options_file {scene}\n")
     again = runs.run(f"-options_file {above}", "above")
     runs.check(used(again, "-p_motion_file") == far, "the_file_of_the_inner_folder", str(used(again, "-p_motion_file")))
