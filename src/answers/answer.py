@@ -378,7 +378,7 @@ def main():
     parser.add_argument("--quantity", required=True, help="COLUMN:TAKE, several separated by commas")
     parser.add_argument("--accuracy", type=float, default=5, help="per cent of each quantity")
     parser.add_argument("--budget", type=float, default=600, help="seconds of one core, all runs together")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs side by side")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs side by side")
     parser.add_argument("--whole", action="store_true", help="the scene as it is, even where rings or a part would do")
     parser.add_argument("--output", default="", help="folder; default: output/answer/<folder>_<file>")
     arguments = parser.parse_args()

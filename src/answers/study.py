@@ -186,7 +186,7 @@ def main():
     parser.add_argument("--quantity", required=True, help="COLUMN:TAKE, several separated by commas")
     parser.add_argument("--accuracy", type=float, default=0, help="per cent; 0: single runs without error bars")
     parser.add_argument("--budget", type=float, default=600, help="with --accuracy: seconds for each value")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs side by side")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs side by side")
     parser.add_argument("--output", default="", help="folder, with one for these options in it; default: "
                         "output/study/<folder>_<file>")
     arguments = parser.parse_args()

@@ -111,7 +111,7 @@ def main():
     parser.add_argument("--cases", nargs="+", help="folders of cases/; default: all")
     parser.add_argument("--output", default=os.path.join("output", "gallery"))
     parser.add_argument("--limit", type=float, default=60, help="seconds of a run at most (60)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs at a time")
     arguments = parser.parse_args()
     began, output = time.monotonic(), os.path.abspath(arguments.output)
     os.chdir(ROOT)
