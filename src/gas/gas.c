@@ -20,6 +20,8 @@ static const OptionRow options[] = {
 
 static const NumberRow rows[] = {
   {"gas_work", NUMBER_REAL, offsetof(GasNumbers, work), ENERGY_GIVEN, "enclosed gas"},
+  {"gas_swept", NUMBER_REAL, offsetof(GasNumbers, swept), ENERGY_NONE, NULL},
+  {"gas_power", NUMBER_REAL, offsetof(GasNumbers, power), ENERGY_NONE, NULL},
   {"gas_highest", NUMBER_REAL, offsetof(GasNumbers, highest), ENERGY_NONE, NULL},
   {"gas_pockets", NUMBER_COUNT, offsetof(GasNumbers, count), ENERGY_NONE, NULL},
   {"gas_known", NUMBER_COUNT, offsetof(GasNumbers, known), ENERGY_NONE, NULL},
@@ -83,6 +85,15 @@ static PetscBool On(Stepper stepper)
   return GasOf(stepper)->on;
 }
 
+/* That of Bernoulli, from the excess of the gas at the start. */
+static PetscReal Speed(Stepper stepper)
+{
+  const Gas      *gas    = GasOf(stepper);
+  const PetscReal excess = PetscAbsReal(gas->start - gas->ambient);
+
+  return gas->on ? PetscSqrtReal(2 * excess / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
+}
+
 static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
 {
   PetscFunctionBegin;
@@ -123,6 +134,7 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
 {
   Gas        *gas    = GasOf(stepper);
   GasNumbers *so_far = (GasNumbers *)StepperNumbers(stepper, state, GAS_EDGE);
+  PetscReal   power  = 0;
 
   PetscFunctionBegin;
   if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,9 +143,13 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
   for (PetscInt k = 1; k <= gas->now.count && gas->solved; k++) {
     const PetscReal P = gas->now.pocket[k].pressure;
 
-    so_far->work += 0.5 * state->time_step * gas->old[k] * (P + gas->kept[k]); /* up to the start of the step */
+    so_far->swept += 0.5 * state->time_step * gas->old[k] * (P + gas->kept[k]);
+    power += P * gas->old[k];
     so_far->highest = PetscMax(so_far->highest, P);
   }
+  /* swept: to the start of the step; in its second half the power goes on as it did */
+  so_far->work  = so_far->swept + 0.5 * state->time_step * (2 * power - so_far->power);
+  so_far->power = power;
   so_far->born += gas->born;
   so_far->split += gas->split;
   so_far->merged += gas->merged;
@@ -216,6 +232,7 @@ const Edge GasEdge = {.name        = GAS_EDGE,
                       .destroy  = Destroy,
                       .on       = On,
                       .drives   = On,
+                      .speed    = Speed,
                       .options  = Options,
                       .report   = Report,
                       .freeze   = Freeze,

@@ -73,7 +73,8 @@ typedef struct {
 
 /* The numbers of the edge in a StepState. */
 typedef struct {
-  PetscReal work;                       /* done by gas on the liquid, J */
+  PetscReal work, swept;                /* done by gas on the liquid, J; up to the start of the last step */
+  PetscReal power;                      /* at that time, W */
   PetscReal highest;                    /* largest pressure so far, Pa */
   PetscInt  count, known, idle;         /* pockets; they have been looked for; steps since then */
   PetscInt  born, split, merged, ended; /* pockets so far: enclosed, parted, joined, opened or filled */

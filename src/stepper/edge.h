@@ -91,6 +91,8 @@ typedef struct {
   PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
   /* whether it can bring liquid any energy, so that the scene bounds none */
   PetscBool (*drives)(Stepper stepper);
+  /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */
+  PetscReal (*speed)(Stepper stepper);
   /* fixes its boundaries while the packing relaxes (true), or releases them */
   PetscErrorCode (*freeze)(Stepper stepper, PetscBool frozen);
   /* opens its options blocks; called whether the edge is on or not */

@@ -345,10 +345,13 @@ void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
 
 PetscReal StepperReferenceVelocity(Stepper stepper)
 {
-  Scales scales;
+  Scales    scales;
+  PetscReal given = 0;
 
   FindScales(stepper, &scales);
-  return PetscSqrtReal(scales.speed * scales.speed + scales.fall + scales.capillary);
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->speed) given = PetscMax(given, (*edge)->speed(stepper));
+  return PetscSqrtReal(scales.speed * scales.speed + given * given + scales.fall + scales.capillary);
 }
 
 PetscReal StepperEnergyAtHand(Stepper stepper)

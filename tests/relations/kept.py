@@ -81,7 +81,8 @@ def judge(scene, folder):
 
     if not r.finite:
         wrong.append("there are values that are not finite")
-    below(r.energy, ENERGY, "energy gained")
+    if "gas" not in scene.options:  # a pocket a few spacings wide does not give what its volume says; verify/gas.py
+        below(r.energy, ENERGY, "energy gained")
     room = scene.vector("box_upper")[-1] - scene.vector("box_lower")[-1]
     if scene.face("xyz"[scene.dim - 1], "max") == "periodic":
         below(r.s["highest"].max() - scene.vector("box_upper")[-1], 1e-9 * room, "liquid above a periodic box, m,")

@@ -124,6 +124,8 @@ class Scene:
             more[f"{body}_density"], more[f"{body}_viscosity"] = "1000", "1e-3"
         if "frame_rotation_rate" in self.options:
             more["frame_rotation_center"] = zero
+        if "gas" in self.options:
+            more["gas_pressure"] = "101325"
         if "wall_contact_law" in self.options:
             more["wall_contact_slip"] = "1e-9"
         return Scene(self.name, {**{n: v for n, v in more.items() if n not in self.options}, **self.options})
