@@ -23,6 +23,7 @@ FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
 SIZE_STEP = 1.4  # ratio of sizes that are spread by different Gaussians
 SPREAD = 2.5  # spacings over which the drop's share is averaged where it is thinner than a particle
+WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
@@ -52,20 +53,21 @@ def blur(field, width):
     return vtk_to_numpy(smooth.GetOutput().GetPointData().GetScalars()).reshape(field.shape)
 
 
-def deposit(places, shape, weight):
-    """Spreads the points' weights linearly onto the 2^d nodes around each. places: [n][d] in nodes, none outside the
-    grid; weight: [n], or one for all."""
+def deposit(places, shape, weights):
+    """A field for each of the weights, spread linearly onto the 2^d nodes around each point. places: [n][d] in nodes,
+    none outside the grid; weights: arrays [n]."""
     dim = len(shape)
     base = np.floor(places).astype(np.int64)
     inside = np.all((base >= 0) & (base < np.array(shape) - 1), axis=1)
     base, rest = base[inside], (places - np.floor(places))[inside]
-    weight = np.broadcast_to(weight, len(places))[inside]
-    total = np.zeros(int(np.prod(shape)))
+    weights = [weight[inside] for weight in weights]
+    totals = [np.zeros(int(np.prod(shape))) for _ in weights]
     for corner in np.ndindex(*(2,) * dim):
         share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
         index = np.ravel_multi_index(tuple((base + corner).T), shape)
-        total += np.bincount(index, share * weight, minlength=total.size)
-    return total.reshape(shape).astype(np.float32)
+        for total, weight in zip(totals, weights):
+            total += np.bincount(index, share * weight, minlength=total.size)
+    return [total.reshape(shape).astype(np.float32) for total in totals]
 
 
 def sample(field, places):
@@ -112,10 +114,10 @@ def spread(places, size, weights, shape, width):
         low = np.maximum(0, np.floor(places[chosen].min(axis=0) - 4 * deviation)).astype(int)
         high = np.minimum(shape, np.ceil(places[chosen].max(axis=0) + 4 * deviation)).astype(int) + 1
         block = tuple(slice(*ends) for ends in zip(low, high))
-        for field, weight in zip(fields, weights):
+        room = tuple((n - 1) // stride + stride for n in fields[0][block].shape)
+        parts = deposit((places[chosen] - low) / stride, room, [w[chosen] / stride ** len(shape) for w in weights])
+        for field, part in zip(fields, parts):
             into = field[block]
-            part = deposit((places[chosen] - low) / stride, tuple((n - 1) // stride + stride for n in into.shape),
-                           weight[chosen] / stride ** len(shape))
             part = blur(part, np.sqrt(deviation**2 - (stride**2 - 1) / 3) / stride)  # the rest is linear, to both sides
             into += part if stride == 1 else between(part, into.shape)
     return fields
@@ -190,7 +192,9 @@ class Liquid:
         places = self.places(points)
         if spread:
             width = SPREAD * self.spacing / self.cell
-            drop, every = (sample(blur(field, width), places) for field in (self.drop, self.all))
+            stride = max(1, int(width / WIDTH))  # a wide Gaussian needs no more nodes
+            drop, every = (sample(blur(field[(slice(None, None, stride),) * field.ndim], width / stride),
+                                  places / stride) for field in (self.drop, self.all))
             return np.clip(drop / np.maximum(every, 1e-6) / LAYER_SHARE, 0, 1)
         share = sample(self.drop, places) / np.maximum(sample(self.all, places), 1e-6)
         share = np.clip((share - 0.3) / 0.4, 0, 1)
