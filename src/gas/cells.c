@@ -258,14 +258,14 @@ static void LineSet(const GasCells *cells, Cloud cloud, const PetscReal x[DIM], 
   }
 }
 
-/* context: sum V W on a full lattice */
-static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
-                      const PetscReal x[DIM], void *context)
+/* Calls 'add' for each line of cells within the support of a particle, whose image is at x, with W and F there. */
+typedef void (*LineVisitor)(GasCells *cells, Cloud cloud, const Line *line, void *context);
+
+static void ForLines(GasCells *cells, Cloud cloud, PetscInt a, const PetscReal x[DIM], LineVisitor add, void *context)
 {
-  const PetscReal size = cloud->size[a],
-                  part = cloud->domain->volume * cloud->relative_weight[a] / *(const PetscReal *)context;
-  PetscInt first[DIM], last[DIM];
-  Line     line;
+  const PetscReal size = cloud->size[a];
+  PetscInt        first[DIM], last[DIM];
+  Line            line;
 
   if (!GasCellsRange(cells, cloud->domain, x, size * KernelSupport(cloud->kernel), first, last) ||
       !Reaches(cells, first, last))
@@ -274,9 +274,30 @@ static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
     for (PetscInt j = first[1]; j <= last[1]; j++) {
       LineSet(cells, cloud, x, size, first, last, j, k, &line);
       if (!line.n) continue;
-      KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, NULL);
-      for (PetscInt m = 0; m < line.n; m++) cells->filled[line.node[m]] += part * line.W[m];
+      KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, line.F);
+      add(cells, cloud, &line, context);
     }
+}
+
+/* context: the volume of Part */
+static void AddFilled(GasCells *cells, Cloud cloud, const Line *line, void *context)
+{
+  for (PetscInt m = 0; m < line->n; m++) cells->filled[line->node[m]] += *(const PetscReal *)context * line->W[m];
+}
+
+/* The volume of particle a in the sums of cells. full: sum V W on a full lattice. */
+static PetscReal Part(Cloud cloud, PetscInt a, PetscReal full)
+{
+  return cloud->domain->volume * cloud->relative_weight[a] / full;
+}
+
+/* context: sum V W on a full lattice */
+static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                      const PetscReal x[DIM], void *context)
+{
+  PetscReal part = Part(cloud, a, *(const PetscReal *)context);
+
+  ForLines(cells, cloud, a, x, AddFilled, &part);
 }
 
 /* Cells inside a solid, which has no particles in its core, are full. */
@@ -334,62 +355,57 @@ PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The velocities of two states, and the rates that they give the volumes. */
+/* The velocities of two states, and the rates that they give the volumes; what a particle adds to them. */
 typedef struct {
   PetscReal        full;
   const PetscReal *v[2];
   PetscReal       *rate[2];
+  PetscReal        part, size, lengthening[2], u[2][DIM];
 } Flux;
 
-static void AddRates(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
-                     const PetscReal x[DIM], void *context)
+static void AddRates(GasCells *cells, Cloud cloud, const Line *line, void *context)
 {
-  const Flux     *flux = (const Flux *)context;
-  const PetscReal size = cloud->size[a], part = cloud->domain->volume * cloud->relative_weight[a] / flux->full;
-  PetscReal       u[2][DIM];
-  PetscInt        first[DIM], last[DIM];
-  Line            line;
+  const Flux *flux = (const Flux *)context;
 
-  for (PetscInt s = 0; s < 2; s++)
-    for (PetscInt d = 0; d < DIM; d++) u[s][d] = image->sign[d] * flux->v[s][DIM * a + d];
-  if (Dot(u[0], u[0]) + Dot(u[1], u[1]) == 0 ||
-      !GasCellsRange(cells, cloud->domain, x, size * KernelSupport(cloud->kernel), first, last) ||
-      !Reaches(cells, first, last))
-    return;
-  for (PetscInt k = first[2]; k <= last[2]; k++)
-    for (PetscInt j = first[1]; j <= last[1]; j++) {
-      LineSet(cells, cloud, x, size, first, last, j, k, &line);
-      if (!line.n) continue;
-      KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, line.F);
-      for (PetscInt m = 0; m < line.n; m++) {
-        const PetscInt owner = cells->owner[line.node[m]];
-        PetscInt       at[DIM];
-        PetscReal      volume;
+  for (PetscInt m = 0; m < line->n; m++) {
+    const PetscInt owner = cells->owner[line->node[m]];
+    PetscInt       at[DIM];
+    PetscReal      volume;
 
-        if (owner <= 0) continue;
-        GasCellsPlace(cells, line.node[m], at);
-        volume = part * GasCellsVolume(cells, cloud->domain, at[0]);
-        for (PetscInt s = 0; s < 2; s++) {
-          PetscReal change = line.F[m] * Dot(line.r[m], u[s]) / size; /* of W, 1/s */
+    if (owner <= 0) continue;
+    GasCellsPlace(cells, line->node[m], at);
+    volume = flux->part * GasCellsVolume(cells, cloud->domain, at[0]);
+    for (PetscInt s = 0; s < 2; s++) /* a longer ring has a smaller area */
+      flux->rate[s][owner] -=
+        volume * (line->F[m] * Dot(line->r[m], flux->u[s]) / flux->size - line->W[m] * flux->lengthening[s]);
+  }
+}
 
-          change -= line.W[m] * DomainLengthening(cloud->domain, x, u[s]); /* a longer ring has a smaller area */
-          flux->rate[s][owner] -= change * volume;
-        }
-      }
-    }
+static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
+                   const PetscReal x[DIM], void *context)
+{
+  Flux *flux = (Flux *)context;
+
+  flux->part = Part(cloud, a, flux->full);
+  flux->size = cloud->size[a];
+  for (PetscInt s = 0; s < 2; s++) {
+    for (PetscInt d = 0; d < DIM; d++) flux->u[s][d] = image->sign[d] * flux->v[s][DIM * a + d];
+    flux->lengthening[s] = DomainLengthening(cloud->domain, x, flux->u[s]);
+  }
+  if (Dot(flux->u[0], flux->u[0]) + Dot(flux->u[1], flux->u[1]) > 0) ForLines(cells, cloud, a, x, AddRates, flux);
 }
 
 PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
                              const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[])
 {
-  Flux       flux = {full, {v, w}, {rate_v, rate_w}};
+  Flux       flux = {.full = full, .v = {v, w}, .rate = {rate_v, rate_w}};
   PetscBool *inside;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(rate_v, count + 1));
   PetscCall(PetscArrayzero(rate_w, count + 1));
   PetscCall(PetscCalloc1(cloud->n_owned, &inside));
-  ForImages(cells, cloud, inside, AddRates, &flux);
+  ForImages(cells, cloud, inside, FluxOf, &flux);
   PetscCall(PetscFree(inside));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_v, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_w, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));

@@ -122,6 +122,20 @@ static PetscErrorCode Surround(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+{
+  Gas *gas = GasOf(stepper);
+
+  PetscFunctionBegin;
+  if (!gas->crowded || gas->said) PetscFunctionReturn(PETSC_SUCCESS);
+  gas->said = PETSC_TRUE;
+  PetscCall(PetscSNPrintf(text, length,
+                          "there are more than %d pockets of gas: the smallest have lost their gas; a larger -spacing "
+                          "has fewer",
+                          GAS_MOST));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Copies the pockets before to the numbers of the state. */
 static void Keep(const Gas *gas, GasNumbers *so_far)
 {
@@ -217,9 +231,12 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const Refusal refusals[] = {{"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"},
-                                   {"-gas", NOT_WITH, FEATURE_DENSITIES, ""},
-                                   {.one = NULL}};
+#define DIRECT ": the gas's part of the pressure equation is not in the preconditioner; -ksp_type cg can"
+static const Refusal refusals[] = {
+  {"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"}, {"-gas", NEEDS, FEATURE_CENTERED, ", the default"},
+  {"-gas", NEEDS, FEATURE_DIVERGENCE, ", the default"}, {"-gas", NOT_WITH, "-interface_tension", " yet"},
+  {"-ksp_type preonly", NOT_WITH, "-gas", DIRECT},      {"-ksp_type none", NOT_WITH, "-gas", DIRECT},
+  {"-gas", NOT_WITH, FEATURE_DENSITIES, " yet"},        {.one = NULL}};
 
 const Edge GasEdge = {.name        = GAS_EDGE,
                       .refusals    = refusals,
@@ -238,5 +255,6 @@ const Edge GasEdge = {.name        = GAS_EDGE,
                       .freeze   = Freeze,
                       .restore  = Restore,
                       .surround = Surround,
+                      .doubt    = Doubt,
                       .commit   = Commit,
                       .renew    = Renew};

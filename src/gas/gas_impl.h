@@ -5,7 +5,7 @@
 #include "../stepper/edge.h"
 
 #define GAS_EDGE  "gas" /* the name of the edge */
-#define GAS_MOST  64    /* pockets; further regions, the smallest, have no gas */
+#define GAS_MOST  64    /* pockets; of more regions the smallest have no gas */
 #define GAS_SHARE 8     /* pockets that a row may see */
 
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
@@ -108,6 +108,7 @@ typedef struct {
   Pressure  pressure;                 /* borrowed */
   Pockets   now, before;              /* of this trial; of the last step */
   PetscBool before_known, found, solved;
+  PetscBool crowded, said;              /* there are more than GAS_MOST regions; the run has said so */
   PetscInt  idle;                       /* steps since pockets were looked for */
   PetscInt  born, split, merged, ended; /* in this step */
   PetscInt  layout;                     /* of the cloud, when the rows were found */

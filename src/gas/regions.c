@@ -247,14 +247,29 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
   return sources;
 }
 
+/* The cells of the smallest pocket, so many that there are at most GAS_MOST. */
+static PetscInt Least(const Regions *regions)
+{
+  PetscInt least = SMALLEST, count;
+
+  do {
+    count = 0;
+    for (PetscInt r = 0; r < regions->count; r++)
+      count += regions->region[r].label != GAS_AIR && regions->region[r].cells >= least;
+    least += count > GAS_MOST;
+  } while (count > GAS_MOST);
+  return least;
+}
+
 /* Decides which regions are pockets and what gas they have. Without pockets before, at the start, every region that is
    not open has gas. */
 static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
 {
-  const PetscInt width  = regions->count + 1;
+  const PetscInt width = regions->count + 1, least = Least(regions);
   PetscInt      *common = NULL;
 
   PetscFunctionBegin;
+  gas->crowded   = (PetscBool)(least > SMALLEST);
   gas->now.count = 0;
   gas->born = gas->merged = gas->split = 0;
   if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
@@ -263,7 +278,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
     Pocket   pocket  = {0};
     PetscInt was_air = 0, sources = 0;
 
-    if (region->label == GAS_AIR || region->cells < SMALLEST || gas->now.count == GAS_MOST) continue;
+    if (region->label == GAS_AIR || region->cells < least) continue;
     if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
     if (gas->before_known && sources + was_air == 0) continue; /* a void */
     region->label                   = ++gas->now.count;
