@@ -4,16 +4,13 @@
 
 #define NAME_LENGTH 64
 /* Of the partition: METIS takes 0.04 s for 60 k cells, and every rank stores the owners of all cells. */
-#define CELLS_MAX          200000
-#define CELL_GROWTH        1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
-#define LENGTH_ROUNDING    1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
-#define DUMMY_LAYERS_MAX   20    /* layers of dummy particles, on both sides of the box together */
-#define COARSE_RATIO_MAX   8     /* of the coarse to the fine spacing: larger ratios are untested */
-#define DEFAULT_GROWTH     0.1
-#define DEFAULT_BAND       4 /* spacings */
-#define DEFAULT_PER_RADIUS 4 /* a drop of eight spacings across is fine all over */
+#define CELLS_MAX        200000
+#define CELL_GROWTH      1.05  /* factor by which the cell size grows until there are at most CELLS_MAX cells */
+#define LENGTH_ROUNDING  1e-12 /* relative; a box exactly as wide as the reach of the kernel is allowed */
+#define DUMMY_LAYERS_MAX 20    /* layers of dummy particles, on both sides of the box together */
+#define COARSE_RATIO_MAX 8     /* of the coarse to the fine spacing: larger ratios are untested */
+#define DEFAULT_GROWTH   0.1
 
-const char *const        FollowTypes[]     = {"none", "surface", "curvature", NULL};
 const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", NULL};
 static const char *const AxisNames[DIM]    = {"x", "y", "z"};
 const char *const        FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
@@ -119,7 +116,7 @@ static PetscErrorCode CheckBox(Domain domain)
 /* What the domain is made of. */
 typedef struct {
   int       dimension;
-  PetscReal coarse, band; /* m; spacings */
+  PetscReal coarse; /* m */
 } Given;
 
 static const char *const Dimensions[] = {"2", "3", "axisymmetric", NULL};
@@ -137,9 +134,6 @@ static const OptionRow grading[] = {
    "Largest particle spacing, far from the regions of -fine and from what -spacing_follow follows; 0: -spacing "
    "everywhere",
    "m", "[0, inf)", ROW_REAL, offsetof(Given, coarse)},
-  {"-spacing_band",
-   "With -spacing_follow: distance from the surface over which the spacing does not grow, in units of -spacing", "1",
-   "[0, 20]", ROW_REAL, offsetof(Given, band)},
   {.name = NULL},
 };
 
@@ -150,14 +144,6 @@ static const OptionRow spacing[] = {
    "Increase of the spacing per distance from what is fine; 0.05 makes less noise if the spacing grows along a free "
    "surface",
    "1", "(0, 0.2]", ROW_REAL, offsetof(struct _p_Domain, growth)},
-  {"-spacing_follow",
-   "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows to -spacing_coarse "
-   "away from them",
-   NULL, NULL, ROW_WORD, offsetof(struct _p_Domain, follow), .words = FollowTypes},
-  {"-spacing_curvature",
-   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of both principal "
-   "curvatures",
-   "1", "[1, 100]", ROW_REAL, offsetof(struct _p_Domain, per_radius)},
   {"-box_lower", "Lower corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, lower),
    .fallback = OPTION_REQUIRED},
   {"-box_upper", "Upper corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, upper),
@@ -168,12 +154,11 @@ static const OptionRow spacing[] = {
 PetscErrorCode DomainSetFromOptions(Domain domain)
 {
   MPI_Comm  comm  = domain->comm;
-  Given     given = {1, 0, DEFAULT_BAND};
+  Given     given = {1, 0};
   PetscBool has_lower, has_upper;
 
   PetscFunctionBegin;
-  domain->growth     = DEFAULT_GROWTH;
-  domain->per_radius = DEFAULT_PER_RADIUS;
+  domain->growth = DEFAULT_GROWTH;
   PetscOptionsBegin(comm, NULL, "Box", "Domain");
   PetscCall(OptionsRead(PetscOptionsObject, kind, PLACE, &given));
   domain->dim   = given.dimension == 1 ? 3 : 2;
@@ -184,7 +169,6 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
                  "-spacing is missing%s: the particle spacing (m) must be given and positive", OptionMeant("-spacing"));
   domain->graded         = (PetscBool)(given.coarse > 0);
   domain->spacing_coarse = domain->graded ? given.coarse : domain->spacing;
-  domain->band           = given.band * domain->spacing;
   PetscCheckUser(domain->spacing_coarse >= domain->spacing &&
                    domain->spacing_coarse <= (1 + LENGTH_ROUNDING) * COARSE_RATIO_MAX * domain->spacing,
                  comm, "-spacing_coarse %g m must be one to %d times -spacing, %g m", (double)given.coarse,
@@ -197,6 +181,7 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCall(CheckBox(domain));
   PetscCall(ReadFaces(domain, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(AdaptiveSetFromOptions(domain));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,7 +282,7 @@ void DomainJson(Domain domain, Json *json)
   JsonReal(json, "spacing", domain->spacing);
   JsonReal(json, "spacing_coarse", domain->spacing_coarse);
   JsonReal(json, "growth", domain->growth);
-  JsonText(json, "follow", FollowTypes[domain->follow]);
+  JsonText(json, "follow", domain->adaptive ? domain->adaptive->name(domain) : "none");
   JsonReals(json, "lower", domain->dim, domain->lower);
   JsonReals(json, "upper", domain->dim, domain->upper);
   JsonArray(json, "faces");
@@ -316,6 +301,8 @@ PetscErrorCode DomainDestroy(Domain *domain)
 {
   PetscFunctionBegin;
   if (!*domain) PetscFunctionReturn(PETSC_SUCCESS);
+  if ((*domain)->adaptive) PetscCall((*domain)->adaptive->destroy(*domain));
+  PetscCall(PetscFree((*domain)->adaptive_data));
   PetscCall(PetscFree((*domain)->cell_rank));
   PetscCall(PetscFree(*domain));
   PetscFunctionReturn(PETSC_SUCCESS);

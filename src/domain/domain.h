@@ -9,8 +9,6 @@
 #define POINT_TOLERANCE 1e-6
 
 typedef enum { FACE_OPEN, FACE_PERIODIC, FACE_WALL, FACE_SYMMETRY } FaceType;
-typedef enum { FOLLOW_NONE, FOLLOW_SURFACE, FOLLOW_CURVATURE } FollowType;
-extern const char *const FollowTypes[];     /* "none", "surface", "curvature" */
 extern const char *const FaceTypes[];       /* "open", "periodic", "wall", "symmetry" */
 extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
 
@@ -24,27 +22,46 @@ extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
 
    Graded spacing (-spacing_coarse): the spacing grows from 'spacing' to 'spacing_coarse' with the distance from the
    regions of -fine (SceneSpacing). A particle keeps its initial volume s^dim and smoothing length (in spacings)
-   wherever it moves. Rings join and split, so a ring keeps its smoothing length only. With -spacing_follow the spacing
-   grows with the distance from free surfaces, too, and all particles join and split (resampling.h). */
-typedef struct _p_Domain {
-  MPI_Comm   comm;
-  PetscInt   dim;                    /* 2 or 3 */
-  PetscBool  rings;                  /* dim is 2, particles are rings about x = 0 */
-  PetscReal  spacing;                /* particle spacing d0, m */
-  PetscReal  volume;                 /* of a particle of spacing d0, d0^dim, m^dim; of rings the initial ring area */
-  PetscBool  graded;                 /* the spacing is graded */
-  PetscReal  spacing_coarse, growth; /* largest spacing, m, = spacing if not graded; its increase per distance, 1 */
-  FollowType follow;                 /* what the spacing follows */
-  PetscReal  band, per_radius;       /* m, around a free surface; spacings per radius of curvature, 1 */
-  PetscReal  lower[DIM];             /* m */
-  PetscReal  upper[DIM];             /* m */
-  FaceType   face[DIM][2];           /* lower and upper face of each direction */
-  PetscReal  wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
+   wherever it moves. Rings join and split, so a ring keeps its smoothing length only. An adaptive spacing
+   (-spacing_follow) changes during the run, and all particles join and split for it (resampling.h). */
+typedef struct _p_Domain *Domain;
+typedef struct _p_Scene  *Scene; /* of higher floors, passed on */
+typedef struct _p_Cloud  *Cloud;
+
+/* What adapts the spacing, a record of the list adaptive.c. All but 'name' and 'at' are collective. */
+typedef struct {
+  /* reads its options; if they ask for it, makes itself domain->adaptive, with its data */
+  PetscErrorCode (*options)(Domain domain);
+  const char *(*name)(Domain domain); /* what it is, in -spacing_follow */
+  /* finds the spacing wanted for the bodies of the scene at the start, or for the liquid as it is: then the size
+     ([n_total], 1) that each particle should have */
+  PetscErrorCode (*start)(Domain domain, Scene scene);
+  PetscErrorCode (*find)(Cloud cloud, PetscReal size[]);
+  PetscReal (*at)(Domain domain, const PetscReal x[DIM]); /* the spacing (m) wanted at x (m) */
+  /* makes the dummy particles of the box's walls those that it wants, the first time all; CloudResync has to follow */
+  PetscErrorCode (*walls)(Cloud cloud);
+  PetscErrorCode (*destroy)(Domain domain); /* frees what its data hold */
+} Adaptive;
+
+struct _p_Domain {
+  MPI_Comm  comm;
+  PetscInt  dim;                    /* 2 or 3 */
+  PetscBool rings;                  /* dim is 2, particles are rings about x = 0 */
+  PetscReal spacing;                /* particle spacing d0, m */
+  PetscReal volume;                 /* of a particle of spacing d0, d0^dim, m^dim; of rings the initial ring area */
+  PetscBool graded;                 /* the spacing is graded */
+  PetscReal spacing_coarse, growth; /* largest spacing, m, = spacing if not graded; its increase per distance, 1 */
+  const Adaptive *adaptive;         /* what adapts the spacing; NULL: nothing */
+  void           *adaptive_data;
+  PetscReal       lower[DIM];                 /* m */
+  PetscReal       upper[DIM];                 /* m */
+  FaceType        face[DIM][2];               /* lower and upper face of each direction */
+  PetscReal       wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */
   PetscMPIInt *cell_rank;      /* [cells0*cells1*cells2] owner */
-} * Domain;
+};
 
 /* DomainSize - the size s/d0 (1) of a particle of this volume (m^dim): its spacing over 'spacing'. DomainSizeMax - an
    upper bound of the sizes that a packing makes. Not collective. */
@@ -56,10 +73,10 @@ static inline PetscReal DomainSize(Domain domain, PetscReal volume)
   return domain->dim == 2 ? PetscSqrtReal(share) : cbrt(share);
 }
 /* DomainStoresSizes - whether the size of a particle is not that of its volume: graded rings keep their smoothing
-   length, and dummy particles have that of the liquid in front of them with -spacing_follow. Not collective. */
+   length, and dummy particles have that of the liquid in front of them if the spacing adapts. Not collective. */
 static inline PetscBool DomainStoresSizes(Domain domain)
 {
-  return (PetscBool)(domain->follow || (domain->rings && domain->graded));
+  return (PetscBool)(domain->adaptive || (domain->rings && domain->graded));
 }
 /* DomainVolumesDiffer - whether particles have volumes of their own. DomainIsFlat - whether the scene is a plane, where
    volumes, forces and energies are per metre. DomainIsRadial - whether direction d is the distance from the axis of
@@ -85,6 +102,8 @@ static inline PetscReal DomainSizeMax(Domain domain)
   return domain->graded ? SIZE_MARGIN * domain->spacing_coarse / domain->spacing : 1;
 }
 
+/* AdaptiveSetFromOptions - asks the records whether one adapts the spacing. Collective. */
+PetscErrorCode AdaptiveSetFromOptions(Domain domain);
 /* DomainCreate - a domain without options. Collective on comm. */
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
 /* DomainSetFromOptions - reads -dimension 2|3|axisymmetric, -spacing, -spacing_coarse (m), -spacing_growth, -box_lower,

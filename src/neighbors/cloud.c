@@ -29,7 +29,7 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
   c->sort_interval = 100;
   PetscCall(HaloCreate(domain, &c->halo));
   if (domain->rings) KernelAxisTable(kernel, AXIS_TABLE, c->axis);
-  if (domain->follow) PetscCall(SceneTargetBodies(scene));
+  if (domain->adaptive) PetscCall(domain->adaptive->start(domain, scene));
   *cloud = c;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

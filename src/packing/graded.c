@@ -242,7 +242,7 @@ PetscErrorCode GradedSetUp(Packing packing)
   }
   PetscCall(SamplesTake(&samples, &packing->graded_count[0], &packing->graded[0]));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
-  if (!packing->cloud->domain->follow) PetscCall(AddWalls(packing, samples));
+  if (!packing->cloud->domain->adaptive) PetscCall(AddWalls(packing, samples));
   PetscCall(SamplesTake(&samples, &packing->graded_count[1], &packing->graded[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,4 @@
 /* The class Packing: types, options, and the packing of a scene. */
-#include "../resampling/resampling.h"
 #include "packing_impl.h"
 
 static const Choice *const Packings[] = {&PackingLattice.choice, &PackingPoisson.choice, NULL};
@@ -130,7 +129,7 @@ static PetscErrorCode CreateParticles(Packing packing)
   PetscCheckUser(packing->count > 0 || SceneComesLater(cloud->scene), cloud->comm,
                  "no particle of -spacing %g m fits into the bodies of the scene; it must be smaller than the bodies",
                  (double)domain->spacing);
-  if (domain->follow) PetscCall(ResampleWalls(cloud));
+  if (domain->adaptive) PetscCall(domain->adaptive->walls(cloud));
   PetscCall(PetscInfo(NULL,
                       "packing %s: %" PetscInt_FMT " fluid, %" PetscInt_FMT " wall and %" PetscInt_FMT
                       " solid particles\n",

@@ -24,7 +24,7 @@ struct _p_Particles {
 PetscBool ParticlesHave(Particles particles, PetscInt f)
 {
   if (f == FIELD_VOLUME) return DomainVolumesDiffer(particles->domain);
-  if (f == FIELD_COLOUR) return (PetscBool)(particles->domain->follow != FOLLOW_NONE);
+  if (f == FIELD_COLOUR) return (PetscBool)(particles->domain->adaptive != NULL);
   if (f == FIELD_SIZE) return DomainStoresSizes(particles->domain);
   if (f == FIELD_LINE) return particles->line;
   return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);

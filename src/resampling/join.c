@@ -91,7 +91,7 @@ static PetscBool SharesFit(Cloud cloud, const Change *change, PetscInt a, PetscI
   const PetscInt  k = cloud->integer[INT_BODY][a], l = cloud->integer[INT_BODY][b];
 
   return (PetscBool)(d2 <= PetscSqr(REACH * spacing) &&
-                     (k == l || (domain->follow && (k == 0 || l == 0) && SameLiquid(cloud->scene, k, l))) &&
+                     (k == l || (domain->adaptive && (k == 0 || l == 0) && SameLiquid(cloud->scene, k, l))) &&
                      JoinedShare(cloud, change, a, b) <= JOINED_MOST &&
                      (domain->rings || DomainSize(domain, cloud->volume[a] + cloud->volume[b]) <= cloud->size_most) &&
                      PetscMin(share[a], share[b]) * PetscSqrtReal(d2) <= PATH * spacing);
@@ -116,7 +116,7 @@ static PetscReal Price(Cloud cloud, PetscInt a, PetscInt b, PetscReal d2)
   const PetscReal *u = cloud->field[FIELD_VELOCITY] + DIM * a, *v = cloud->field[FIELD_VELOCITY] + DIM * b;
   const PetscReal  dv[DIM] = {u[0] - v[0], u[1] - v[1], u[2] - v[2]};
 
-  if (!cloud->domain->follow) return d2;
+  if (!cloud->domain->adaptive) return d2;
   return Dot(dv, dv) * cloud->volume[b] / (cloud->volume[a] + cloud->volume[b]) +
          AS_ONE * (Dot(u, u) + PETSC_MACHINE_EPSILON) * d2 / PetscSqr(cloud->domain->spacing);
 }
@@ -167,7 +167,7 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
                 cloud->field[f][Fields[f].width * b + c]);
   if (change->arrays.real[FIELD_SIZE])
     change->arrays.real[FIELD_SIZE][b] =
-      cloud->domain->follow ? ShareSize(cloud, change, b, sum / V[b]) : Mean(cloud, change->unit, a, b);
+      cloud->domain->adaptive ? ShareSize(cloud, change, b, sum / V[b]) : Mean(cloud, change->unit, a, b);
   if (change->arrays.real[FIELD_COLOUR])
     change->arrays.integer[INT_BODY][b] = change->arrays.real[FIELD_COLOUR][b] >= 0.5
                                             ? 0

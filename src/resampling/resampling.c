@@ -1,21 +1,13 @@
 /* Resampling: options, the time of a resampling, and the change of the swarm. */
 #include "resampling_impl.h"
 
-#define INTERVAL   10
-#define BISECTIONS 20
-#define AT_ONCE    2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
-#define ALONE      0.125 /* about nine particles in three dimensions */
+#define INTERVAL 10
+#define AT_ONCE  2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
+#define ALONE    0.125 /* about nine particles in three dimensions */
 
 static const OptionRow interval[] = {
   {"-resampling_interval", "Steps between two resamplings, sooner if a ring grows too large; 0: never", "1", "[0, inf)",
    ROW_INT, offsetof(Resampling, interval)},
-  {.name = NULL},
-};
-static const OptionRow most[] = {
-  {"-particles_most",
-   "With -spacing_follow: particles of liquid that the spacing may ask for; more, and it is coarser everywhere; 0: no "
-   "bound",
-   "1", "[0, inf)", ROW_INT, offsetof(Resampling, particles_most)},
   {.name = NULL},
 };
 static const OptionRow alone[] = {
@@ -29,12 +21,11 @@ static const OptionRow alone[] = {
 PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
 {
   const Domain    domain = cloud->domain;
-  const PetscBool any = DomainVolumesDiffer(domain), follows = (PetscBool)(domain->follow > 0),
-                  fixed = (PetscBool)(domain->graded && !ByShare(domain));
+  const PetscBool any = DomainVolumesDiffer(domain), fixed = (PetscBool)(domain->graded && !ByShare(domain));
 
   PetscFunctionBegin;
   *r = (Resampling){.interval = INTERVAL, .alone = ALONE, .least = LEAST, .most = MOST};
-  if (domain->follow) {
+  if (domain->adaptive) {
     r->least = LEAST_FOLLOW;
     r->most  = MOST_FOLLOW;
   }
@@ -42,7 +33,6 @@ PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
   PetscCall(
     OptionsReadIf(PetscOptionsObject, any, "-dimension axisymmetric or -spacing_coarse", interval, __func__, r));
   if (!any) r->interval = 0;
-  PetscCall(OptionsReadIf(PetscOptionsObject, follows, "-spacing_follow", most, __func__, r));
   PetscCall(OptionsReadIf(PetscOptionsObject, fixed, "-spacing_coarse without -spacing_follow", alone, __func__, r));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -61,63 +51,22 @@ PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
   return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > AT_ONCE * MOST));
 }
 
-/* The particles of liquid, of all ranks, that a target 'factor' times as coarse asks for. */
-static PetscErrorCode CountWanted(Cloud cloud, const PetscReal unit[], PetscReal factor, PetscReal *count)
-{
-  const Domain domain = cloud->domain;
-  PetscReal    sum    = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    sum += cloud->weight[a] /
-           PetscPowRealInt(PetscMin(factor * unit[a], domain->spacing_coarse / domain->spacing), (int)domain->dim);
-  PetscCallMPI(MPI_Allreduce(&sum, count, 1, MPIU_REAL, MPI_SUM, cloud->comm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Makes the target coarser until it asks for no more than -particles_most. */
-static PetscErrorCode BoundCount(Cloud cloud, const Resampling *resampling, PetscReal unit[])
-{
-  const PetscReal coarsest = cloud->domain->spacing_coarse / cloud->domain->spacing;
-  PetscReal       low = 1, high = coarsest, count;
-
-  PetscFunctionBegin;
-  if (!resampling->particles_most) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CountWanted(cloud, unit, low, &count));
-  if (count <= resampling->particles_most) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < BISECTIONS; k++) {
-    const PetscReal middle = 0.5 * (low + high);
-
-    PetscCall(CountWanted(cloud, unit, middle, &count));
-    if (count > resampling->particles_most)
-      low = middle;
-    else
-      high = middle;
-  }
-  for (PetscInt a = 0; a < cloud->n_total; a++) unit[a] = PetscMin(high * unit[a], coarsest);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The unit and the share of each particle, ghosts too: the unit is its size, or what -spacing_follow wants there. */
-static PetscErrorCode FindShares(Cloud cloud, const Resampling *resampling, Change *change)
+/* The unit and the share of each particle, ghosts too: the unit is its size, or what adapts the spacing wants. */
+static PetscErrorCode FindShares(Cloud cloud, Change *change)
 {
   const Domain     domain = cloud->domain;
   const PetscReal *x      = cloud->field[FIELD_POSITION];
 
   PetscFunctionBegin;
-  if (domain->follow) PetscCall(TargetFind(cloud));
-  for (PetscInt a = 0; a < cloud->n_total; a++)
-    change->unit[a] = domain->follow ? SceneSpacing(cloud->scene, x + DIM * a) / domain->spacing : cloud->size[a];
-  for (PetscInt a = 0; a < cloud->n_total && domain->follow; a++)
-    if (TargetIsThin(cloud, a)) change->unit[a] = PetscMin(change->unit[a], cloud->size[a]);
-  if (domain->follow) PetscCall(BoundCount(cloud, resampling, change->unit));
+  PetscCall(PetscArraycpy(change->unit, cloud->size, cloud->n_total));
+  if (domain->adaptive) PetscCall(domain->adaptive->find(cloud, change->unit));
   for (PetscInt a = 0; a < cloud->n_total; a++)
     change->share[a] = cloud->volume[a] / (DomainRingLength(domain, x + DIM * a, change->unit[a]) * domain->volume) /
                        PetscPowRealInt(change->unit[a], (int)domain->dim);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ChangeCreate(Cloud cloud, const Resampling *resampling, Change *change)
+static PetscErrorCode ChangeCreate(Cloud cloud, Change *change)
 {
   PetscFunctionBegin;
   *change = (Change){.split = 0};
@@ -128,7 +77,7 @@ static PetscErrorCode ChangeCreate(Cloud cloud, const Resampling *resampling, Ch
     change->keep[a]    = PETSC_TRUE;
     change->changed[a] = PETSC_FALSE;
   }
-  PetscCall(FindShares(cloud, resampling, change));
+  PetscCall(FindShares(cloud, change));
   PetscCall(ParticlesOpen(cloud->particles, &change->arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -200,7 +149,7 @@ static PetscErrorCode Apply(Cloud cloud, Change *change)
   PetscCall(ParticlesLocalSize(cloud->particles, &n));
   PetscCall(AppendNew(cloud, change, n, id));
   PetscCall(PetscFree(id));
-  if (cloud->domain->follow) PetscCall(ResampleWalls(cloud));
+  if (cloud->domain->adaptive) PetscCall(cloud->domain->adaptive->walls(cloud));
   PetscCall(CloudResync(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -215,8 +164,7 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   *report = (ResamplingReport){.joined = 0};
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
     if (Fields[f].carry != CARRY_OWN && ParticlesHave(cloud->particles, f)) PetscCall(CloudUpdate(cloud, (FieldId)f));
-  if (cloud->domain->follow) PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
-  PetscCall(ChangeCreate(cloud, resampling, &change));
+  PetscCall(ChangeCreate(cloud, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)
     change.arrays.real[FIELD_SIZE][a] = ShareSize(cloud, &change, a, 1);
   PetscCall(JoinSmall(cloud, resampling, &change, report));
@@ -228,8 +176,8 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->energy, 1, MPIU_REAL, MPI_SUM, cloud->comm));
   report->joined = done[0];
   report->split  = done[1];
-  if (done[0] + done[1] > 0 || cloud->domain->follow) PetscCall(Apply(cloud, &change));
-  if (done[0] + done[1] > 0 && cloud->domain->follow) PetscCall(SmoothDisorder(cloud));
+  if (done[0] + done[1] > 0 || cloud->domain->adaptive) PetscCall(Apply(cloud, &change));
+  if (done[0] + done[1] > 0 && cloud->domain->adaptive) PetscCall(SmoothDisorder(cloud));
   PetscCall(PetscFree2(change.parent, change.at));
   PetscCall(PetscFree2(change.keep, change.changed));
   PetscCall(PetscFree2(change.unit, change.share));

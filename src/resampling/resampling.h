@@ -3,8 +3,8 @@
    shrinks in a crown and grows in a jet. At an interval
      a ring with too small an area joins its nearest neighbour, and
      a ring with too large an area splits, in the direction of the widest gap between its neighbours.
-   With -spacing_follow all particles do the same with their volume over that of the target spacing at their place,
-   their share (target.c), and those that stand unevenly after it move a little (smooth.c).
+   If the spacing adapts, all particles do the same with their volume over that of the spacing wanted at their place,
+   their share, and those that stand unevenly after it move a little (smooth.c).
    Other graded particles keep their volumes, but a splash throws small particles among large particles. These push a
    small particle about like a molecule and accelerate it: a small particle without others of its size joins its nearest
    larger neighbour.
@@ -17,10 +17,9 @@
 #include "../operators/operators.h"
 
 typedef struct {
-  PetscInt  interval;       /* steps between two resamplings; 0: never */
-  PetscReal alone;          /* a graded particle joins if liquid of its size fills less than this part of its support */
-  PetscReal least, most;    /* shares below which a particle joins, and above which it splits */
-  PetscInt  particles_most; /* of all ranks: a target that needs more is made coarser; 0: no bound */
+  PetscInt  interval;    /* steps between two resamplings; 0: never */
+  PetscReal alone;       /* a graded particle joins if liquid of its size fills less than this part of its support */
+  PetscReal least, most; /* shares below which a particle joins, and above which it splits */
 } Resampling;
 
 typedef struct {
@@ -39,9 +38,5 @@ PetscBool ResamplingDue(const Resampling *resampling, PetscInt step, PetscReal l
 /* Resample - joins and splits at the end of an accepted step. The cloud must still hold the step's neighbours, moments
    and velocity gradient. Ends with CloudResync if a particle joined or split. Collective. */
 PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report);
-
-/* ResampleWalls - with -spacing_follow: makes the dummy particles of the box's walls those that the target wants, the
-   first time all of them. The caller calls CloudResync. Collective. */
-PetscErrorCode ResampleWalls(Cloud cloud);
 
 #endif

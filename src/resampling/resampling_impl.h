@@ -15,7 +15,7 @@
 /* Whether particles join and split by their share; else graded particles join where they are alone. */
 static inline PetscBool ByShare(Domain domain)
 {
-  return (PetscBool)(domain->rings || domain->follow);
+  return (PetscBool)(domain->rings || domain->adaptive);
 }
 
 /* The particles after resampling. The cloud keeps the state before. */
@@ -33,18 +33,12 @@ typedef struct {
    spacings its own. Not collective. */
 static inline PetscReal ShareSize(Cloud cloud, const Change *change, PetscInt a, PetscReal part)
 {
-  if (!cloud->domain->follow) return change->unit[a];
+  if (!cloud->domain->adaptive) return change->unit[a];
   return PetscMax(cloud->domain->rings ? 1 : 0,
                   PetscMin(cloud->size_most, change->unit[a] * PetscPowReal(part * change->share[a],
                                                                             1. / (PetscReal)cloud->domain->dim)));
 }
 
-/* TargetFind - makes the target of -spacing_follow from the free surface and solids as they are: see target.c.
-   Collective. */
-PetscErrorCode TargetFind(Cloud cloud);
-/* TargetIsThin - whether particle a is of spray or of liquid a particle thick, which keeps its spacing. Not collective.
- */
-PetscBool TargetIsThin(Cloud cloud, PetscInt a);
 /* SmoothDisorder - moves particles that stand unevenly after splits and joins. Ends with CloudResync. Collective. */
 PetscErrorCode SmoothDisorder(Cloud cloud);
 /* JoinSmall - joins small particles with their nearest neighbours. Collective. */

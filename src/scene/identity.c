@@ -65,7 +65,7 @@ static void PrintDomain(FILE *text, Domain domain)
   fprintf(text, "-dimension = %s\n", domain->rings ? "axisymmetric" : domain->dim == 2 ? "2" : "3");
   fprintf(text, "-spacing = %.12g\n", (double)domain->spacing);
   if (domain->graded) fprintf(text, "-spacing_coarse = %.12g\n", (double)domain->spacing_coarse);
-  if (domain->follow) fprintf(text, "-spacing_follow = on\n"); /* what it follows may change */
+  if (domain->adaptive) fprintf(text, "-spacing_follow = on\n"); /* what it follows may change */
   fprintf(text, "-box_lower = ");
   PrintNumbers(text, domain->dim, domain->lower);
   fprintf(text, "-box_upper = ");

@@ -21,8 +21,6 @@ PetscErrorCode SceneDestroy(Scene *scene)
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
   for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
   for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
-  PetscCall(PetscFree((*scene)->target.value));
-  PetscCall(PetscFree((*scene)->target.liquid));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -164,7 +162,7 @@ static PetscErrorCode CheckGrading(Scene scene)
   const Domain domain = scene->domain;
 
   PetscFunctionBegin;
-  PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0 || domain->follow), domain->comm,
+  PetscCheckUser(domain->graded == (PetscBool)(scene->fine_regions > 0 || domain->adaptive), domain->comm,
                  "-spacing_coarse belongs to -fine or -spacing_follow: %s is missing%s",
                  domain->graded ? "-fine, the names of the regions of the fine spacing," : "-spacing_coarse (m)",
                  OptionMeant(domain->graded ? "-fine" : "-spacing_coarse"));
@@ -224,6 +222,22 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
   PetscCall(CheckRings(scene));
   if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Domain SceneDomain(Scene scene)
+{
+  return scene->domain;
+}
+
+PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
+{
+  const Domain domain = scene->domain;
+  PetscReal    least  = domain->spacing_coarse;
+
+  for (PetscInt b = 0; b < scene->fine_regions; b++)
+    least = PetscMin(least, domain->spacing + domain->growth * PetscMax(0, BodyDistance(scene->fine[b], x)));
+  if (domain->adaptive) least = PetscMin(least, PetscMax(domain->spacing, domain->adaptive->at(domain, x)));
+  return least;
 }
 
 PetscInt SceneCount(Scene scene)

@@ -21,7 +21,7 @@
    unless they have an argument 'time'.
 
    -fine core,rim  and, for each region <r>, -<r>_shape and its sizes: the particle spacing is -spacing in these regions
-   and grows to -spacing_coarse outside (SceneSpacing). With -spacing_follow it is fine near free surfaces, too.
+   and grows to -spacing_coarse outside (SceneSpacing).
 
    -<b>_holes pit,tube of a body or solid: shapes that are cut out of it; a hole is air, or another body fills it.
 
@@ -87,6 +87,7 @@ void           SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json
 PetscErrorCode SceneDestroy(Scene *scene);
 
 /* The functions below are not collective. */
+Domain          SceneDomain(Scene scene);
 PetscInt        SceneCount(Scene scene);                /* number of bodies */
 Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
 const char     *BodyName(Body body);
@@ -105,6 +106,10 @@ PetscReal BodyContactAngle(Body solid);
 /* SceneSolidDistance - signed distance (m) of x (m) to the nearest solid or periodic image of a solid, negative inside;
    PETSC_MAX_REAL without solids. nearest (may be NULL): the index of that solid. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
+/* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
+   which: passed on to the distance. SceneOwnDistance is one of these functions. */
+typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);
+void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
 /* SceneSolidNormal - unit normal n at x (m) out of the nearest solid, from differences of the signed distance; zero
    where these vanish. */
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);
@@ -122,25 +127,8 @@ void      SceneMoveSolids(Scene scene, PetscReal time);
 PetscReal SceneSolidTime(Scene scene);
 PetscReal SceneSolidSpeed(Scene scene);
 /* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
-   regions of -fine, at most -spacing_coarse; with -spacing_follow the target, too. */
+   regions of -fine, at most -spacing_coarse; at most what adapts it wants there. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
-/* The target of -spacing_follow. SceneTargetBodies, collective, makes it for the bodies at the start; or, later,
-   SceneTargetClear forgets its sources. SceneTargetAdd adds a source at x (m), whose
-   spacing (m) holds over -spacing_band around it; a source that wants hardly less than the coarse spacing counts for
-   nothing. SceneTargetSolids adds solids, where they are now, and emitters; the ranks share the
-   cells.
-   SceneTargetSpread finishes the target; only the sources of this rank need to have been added, and it is collective.
-   SceneTargetFill - tells that there is liquid at x (m), a particle of this spacing (m); SceneTargetFilled, collective,
-   ends that. SceneSurfaceSpacing - after it, the spacing (m) wanted at a point x (m) of the liquid's surface with this
-   sum of the principal curvatures (1/m); into: unit vector into the liquid. */
-void           SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing);
-PetscErrorCode SceneTargetFilled(Scene scene);
-PetscErrorCode SceneTargetBodies(Scene scene);
-PetscErrorCode SceneTargetClear(Scene scene);
-void           SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing);
-PetscErrorCode SceneTargetSolids(Scene scene);
-PetscErrorCode SceneTargetSpread(Scene scene);
-PetscReal      SceneSurfaceSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature);
 /* SceneNames, SceneName - count and names of the bodies, then the solids, then the regions of -fine. */
 PetscInt    SceneNames(Scene scene);
 const char *SceneName(Scene scene, PetscInt index);

@@ -4,14 +4,6 @@
 
 #include "body.h"
 
-/* The spacing that -spacing_follow wants, in cells over the box: see spacing.c. */
-typedef struct {
-  PetscInt       n[DIM], count;    /* of cells */
-  PetscReal      lower[DIM], size; /* m */
-  float         *value;            /* [count] m; NULL: nothing is followed */
-  unsigned char *liquid;           /* [count] 1: there is liquid in the cell */
-} SpacingTarget;
-
 struct _p_Scene {
   Domain        domain; /* borrowed */
   PetscInt      count;
@@ -19,8 +11,7 @@ struct _p_Scene {
   PetscInt      solids;
   Body          solid[SCENE_MAX_BODIES];
   PetscInt      fine_regions;
-  Body          fine[SCENE_MAX_BODIES]; /* regions of -fine; they have a shape only */
-  SpacingTarget target;
+  Body          fine[SCENE_MAX_BODIES];             /* regions of -fine; they have a shape only */
   PetscBool     overlap;                            /* see SceneBodiesOverlap */
   PetscReal     interface_tension;                  /* N/m; 0: the liquids mix */
   PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
@@ -49,10 +40,6 @@ static inline void *MotionData(Body solid, size_t k)
   return *(void **)((char *)solid + SolidMotion.data[k]);
 }
 
-/* DistanceNormal - the unit normal n from differences of a signed distance around x (m); zero where these vanish.
-   which: passed on to the distance. SceneOwnDistance is one of these functions. */
-typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);
-void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
 /* LiquidsSetFromOptions - reads -interface_tension and -interface_bodies, after the bodies' options. Refuses
    (UserError) bodies that do not make two liquids. Collective. */
 PetscErrorCode LiquidsSetFromOptions(Scene scene);

@@ -178,7 +178,8 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
   PetscCall(CountLiquid(coarse, &first));
   each =
     SceneComesLater(coarse->scene) ? PetscPowReal(coarser, coarse->domain->dim) : (PetscReal)n / PetscMax(1, first);
-  more = coarse->domain->follow ? PetscPowReal(coarser, coarse->domain->dim - 1) : each; /* new ones are at surfaces */
+  /* new ones are at surfaces */
+  more = coarse->domain->adaptive ? PetscPowReal(coarser, coarse->domain->dim - 1) : each;
   for (PetscInt k = 0; coarse->state.time < coarse->time_end && spent < (PetscReal)longest; k++) {
     const PetscReal before = coarse->state.time;
     PetscReal       took;

@@ -93,7 +93,7 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
       else
         BodyVelocity(body, image, place->velocity);
     }
-  if (sim->domain->graded && sim->domain->follow == FOLLOW_NONE) place->matter.spacing = SceneSpacing(scene, x);
+  if (sim->domain->graded && !sim->domain->adaptive) place->matter.spacing = SceneSpacing(scene, x);
   SceneAcceleration(scene, x, place->force);
   for (PetscInt d = 0; d < DIM; d++) {
     place->velocity[d] *= parity[d];

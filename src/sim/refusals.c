@@ -18,7 +18,7 @@ static PetscBool Graded(Sim sim)
 
 static PetscBool Fixed(Sim sim)
 {
-  return (PetscBool)(sim->domain->graded && !sim->domain->follow);
+  return (PetscBool)(sim->domain->graded && !sim->domain->adaptive);
 }
 
 static PetscBool SolidsHaveAngles(Sim sim)

@@ -53,6 +53,10 @@ SCENES = {
     "rings": ("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.4e-3", (2,), 60),
     "graded": ("-options_file cases/drop_impact/axisymmetric.opts -options_file cases/drop_impact/graded.opts "
                "-spacing 0.5e-3 -spacing_coarse 1e-3", (1,), 60),
+    "following": (IMPACT + " -options_file cases/drop_impact/following.opts -spacing 0.5e-3 -spacing_coarse 2e-3", (2,),
+                  40),
+    "following rings": ("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.4e-3 -spacing_coarse 1.6e-3 "
+                        "-spacing_follow surface", (1,), 60),
     "poisson packing": (SMALL + " -packing_type poisson -spacing 1.5e-3", (1,), 5),
     "relaxation": (SMALL + " -scheme density_invariant -packing_relaxation_time 2e-4", (2,), 5),
 }

