@@ -135,8 +135,8 @@ static inline PetscReal CloudPressureJump(Cloud cloud, PetscInt a, PetscInt b, P
   for (PetscInt d = 0; d < DIM; d++) jump += (t * own[d] + (1 - t) * other[d]) * (xb[d] - xa[d]);
   return jump;
 }
-/* CloudAcrossInterface - whether neighbours a and b are of different immiscible liquids. Not collective. */
-static inline PetscBool CloudAcrossInterface(Cloud cloud, PetscInt a, PetscInt b)
+/* CloudAcross - whether neighbours a and b are of different immiscible liquids. Not collective. */
+static inline PetscBool CloudAcross(Cloud cloud, PetscInt a, PetscInt b)
 {
   return (PetscBool)(cloud->liquid[a] + cloud->liquid[b] == 1 && cloud->liquid[a] >= 0 && cloud->liquid[b] >= 0);
 }

@@ -39,7 +39,7 @@ static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscRe
     const PetscInt b = row->index[k];
     PetscReal      c;
 
-    if (!CloudAcrossInterface(cloud, a, b)) continue;
+    if (!CloudAcross(cloud, a, b)) continue;
     c = (own + p[b] + CloudPressureJump(cloud, a, b, 1)) / rho -
         rest[b] * (own / (rho * rho) + p[b] / (density[b] * density[b]));
     for (PetscInt d = 0; d < DIM; d++) out[d] += scale * c * row->f[k] * (x[DIM * b + d] - x[DIM * a + d]);
@@ -117,7 +117,7 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
   if (cloud->liquid && cloud->at_interface[a]) {
     PetscReal jump[DIM] = {0, 0, 0};
 
-    InterfaceSum(cloud, a, row, jump);
+    JumpsSum(cloud, a, row, jump);
     for (PetscInt d = 0; d < DIM; d++) g[d] += scale * jump[d];
   }
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);

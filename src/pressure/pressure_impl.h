@@ -163,13 +163,13 @@ PetscErrorCode ColumnsReset(Columns *columns);
 /* OperatorSetUp - computes the weights of the pairs, their sums and the closure's additions at the positions of the
    cloud; creates the operator at first. Collective. */
 PetscErrorCode OperatorSetUp(Pressure pressure);
-/* InterfaceSetUp - gives wall particles, ghosts too, the liquid that they touch and its pressure jump; after
-   RowsNumber. Collective. InterfaceAdd - adds the contribution of the jumps to the right-hand side ([n_rows]), after
-   OperatorSetUp. InterfaceSum - adds to 'sum' the jumps between particle a and its neighbours of the other liquid,
+/* JumpsSetUp - gives wall particles, ghosts too, the liquid that they touch and its pressure jump; after
+   RowsNumber. Collective. JumpsAdd - adds the contribution of the jumps to the right-hand side ([n_rows]), after
+   OperatorSetUp. JumpsSum - adds to 'sum' the jumps between particle a and its neighbours of the other liquid,
    times the row's factor and x_b - x_a. All do nothing if liquids mix. Not collective. */
-PetscErrorCode InterfaceSetUp(Pressure pressure);
-void           InterfaceAdd(Pressure pressure, PetscScalar rhs[]);
-void           InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
+PetscErrorCode JumpsSetUp(Pressure pressure);
+void           JumpsAdd(Pressure pressure, PetscScalar rhs[]);
+void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
 
 /* SetConvergence - sets the solver's test, after its options are read: it stops at density_tolerance, or else at
    -ksp_rtol and -ksp_atol in the 2-norm of the residual. Collective. */

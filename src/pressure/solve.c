@@ -261,7 +261,7 @@ static void AddCapillary(Pressure pressure, PetscScalar rhs[])
 
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
     rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
-  InterfaceAdd(pressure, rhs);
+  JumpsAdd(pressure, rhs);
 }
 
 /* The right-hand side b, after OperatorSetUp: the source times the mass of the row, plus the contribution of the free
@@ -297,7 +297,7 @@ static PetscErrorCode Prepare(Pressure pressure, PetscReal dt, PetscBool entries
   PetscCall(RowsNumber(pressure));
   if (!pressure->solver.ksp || pressure->solver_layout != pressure->cloud->layout) PetscCall(CreateSolver(pressure));
   pressure->dt = dt;
-  PetscCall(InterfaceSetUp(pressure));
+  PetscCall(JumpsSetUp(pressure));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_ASSEMBLE), 0, 0, 0, 0));
   PetscCall(OperatorSetUp(pressure));
   PetscCall(SetNullSpace(pressure, pressure->operator));

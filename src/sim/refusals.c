@@ -49,9 +49,8 @@ static PetscBool HasAngles(Sim sim)
 #define WET        "-<solid>_contact_angle"
 #define DENSITIES  FEATURE_DENSITIES
 #define THINNING   "a viscosity that depends on the shear rate"
-#define ANGLES     "contact angles other than 90 degrees or hysteresis"
+#define ANGLES     FEATURE_ANGLES
 #define FRAME      FEATURE_FRAME
-#define INTERFACE  "-interface_tension"
 #define POISSON    FEATURE_POISSON
 #define CONSISTENT FEATURE_CONSISTENT
 #define PRINTED    "-scheme " SCHEME_DENSITY_INVARIANT
@@ -92,7 +91,6 @@ static const Refusal Refusals[] = {
   {CONSERVED, NOT_WITH, GRADED, " yet; " GRADIENT_CORRECTED " can"},
   {"-shifting_conserved", NOT_WITH, GRADED, " yet"},
   {"-bodies_overlap", NOT_WITH, GRADED, " yet"},
-  {INTERFACE, NOT_WITH, GRADED, " yet"},
   {THINNING, NOT_WITH, GRADED, " yet"},
   {PHASES, NOT_WITH, GRADED, ": its sums are for particles of one size; " TENSION_CURVATURE " can"},
   {POISSON, NOT_WITH, GRADED,
@@ -100,10 +98,7 @@ static const Refusal Refusals[] = {
   {"-spectrum", NOT_WITH, GRADED, " yet: its limits are for one spacing"},
   {POISSON, NOT_WITH, "-solids", "; use -packing_type lattice"},
   {POISSON, NOT_WITH, "-bodies_overlap", "; use -packing_type lattice"},
-  {INTERFACE, NOT_WITH, ANGLES, " yet: the interface would have another angle than the free surface"},
   {FRAME, NEEDS, CONSISTENT, ", the default"},
-  {INTERFACE, NEEDS, CONSISTENT, ", the default"},
-  {INTERFACE, NEEDS, CURVATURE, ", the default"},
   {WET, NEEDS, CURVATURE, ", the default"},
   {.one = NULL},
 };

@@ -5,7 +5,8 @@
 
 #include "stepper.h"
 
-#define LIQUID_SUMS 3
+#define SURFACES     3 /* on which tension may act: the free surface, and two that edges add */
+#define SURFACE_SUMS 3
 
 /* Sums over the fluid, and largest values, in a trial of a step; of this rank until TrialReduce, then of all ranks.
    "Inside" are the particles that are neither on nor near the free surface. */
@@ -20,11 +21,8 @@ typedef enum {
   SUM_TENSION_WORK,   /* J */
   SUM_SOLID_WORK,     /* J */
   SUM_SHAKING_WORK,   /* J */
-  SUM_INFLOW,         /* liquid that flows in through the free surface under tension, m3 */
-  SUM_AREA,           /* area of this surface, m2 */
-  SUM_CAPILLARY_AREA, /* integral of sigma kappa over it, N */
-  SUM_LIQUIDS, /* inflow, area, capillary area of the whole surface of each of two liquids, less the part of the gas */
-  SUM_LIQUIDS_LAST = SUM_LIQUIDS + 2 * LIQUID_SUMS - 1,
+  SUM_SURFACES,       /* of each surface: liquid that flows in, m3; area, m2; integral of the pressure of tension, N */
+  SUM_SURFACES_LAST = SUM_SURFACES + SURFACES * SURFACE_SUMS - 1,
   SUM_KINETIC,       /* kinetic energy, J */
   SUM_UNDERRESOLVED, /* particles of viscous liquid with neighbours along a line at most */
   SUM_MASS,          /* kg */
@@ -62,6 +60,7 @@ typedef struct {
 
 /* Names of features of several folders. */
 #define FEATURE_FIXED      "-spacing_coarse without -spacing_follow"
+#define FEATURE_ANGLES     "contact angles other than 90 degrees or hysteresis"
 #define FEATURE_DENSITIES  "bodies of different -<body>_density"
 #define FEATURE_FRAME      "-frame_rotation_rate"
 #define FEATURE_POISSON    "-packing_type poisson"
@@ -118,6 +117,8 @@ typedef struct {
   PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
   /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
   PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
+  /* after the energies of a trial are summed, at the positions of the last search: adds its own */
+  PetscErrorCode (*diagnose)(Stepper stepper, StepTrial *trial);
   /* after the pressure has made FIELD_VELOCITY_NEW */
   PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.
@@ -145,6 +146,8 @@ PetscReal StepperTime(Stepper stepper);
 PetscReal StepperDamping(Stepper stepper);
 Tension   StepperTension(Stepper stepper);
 
+/* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
+PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
 /* ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), like a wall. Not collective. */
 PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
 

@@ -41,33 +41,11 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, const PetscReal v[], Ste
     PetscReal value;
 
     if (area == 0) continue;
-    value = cloud->liquid ? capillary[a] - cloud->pressure_jump[a] : capillary[a]; /* SumInterfaceWork has the rest */
+    value = cloud->liquid ? capillary[a] - cloud->pressure_jump[a] : capillary[a]; /* edges have the rest */
     trial->sum[SUM_TENSION_WORK] += value * inflow;
-    trial->sum[SUM_INFLOW] += inflow;
-    trial->sum[SUM_AREA] += area;
-    trial->sum[SUM_CAPILLARY_AREA] += value * area;
-  }
-}
-
-/* The same for the whole surface of each of two immiscible liquids, towards gas and the other liquid, with its part of
-   the pressure, cloud->pressure_jump. */
-static void SumInterfaceWork(Cloud cloud, PetscReal dt, const PetscReal v[], StepTrial *trial)
-{
-  const PetscReal *normal = cloud->field[FIELD_NORMAL];
-
-  for (PetscInt a = 0; a < cloud->n_fluid && cloud->liquid; a++) {
-    const PetscInt at = SUM_LIQUIDS + LIQUID_SUMS * cloud->liquid[a];
-    PetscReal      n[DIM], flow, area = TrialSurfaceArea(cloud, a);
-
-    flow = area > 0 ? 2 * cloud->volume[a] * Dot(v + DIM * a, normal + DIM * a) : 0;
-    if (cloud->at_interface[a]) {
-      TrialInterface(cloud, a, v, n, &flow);
-      area += 2 * cloud->volume[a] * Norm(n);
-    }
-    trial->sum[SUM_TENSION_WORK] += cloud->pressure_jump[a] * dt * flow;
-    trial->sum[at] += dt * flow;
-    trial->sum[at + 1] += area;
-    trial->sum[at + 2] += cloud->pressure_jump[a] * area;
+    trial->sum[SUM_SURFACES] += inflow;
+    trial->sum[SUM_SURFACES + 1] += area;
+    trial->sum[SUM_SURFACES + 2] += value * area;
   }
 }
 
@@ -121,9 +99,7 @@ PetscErrorCode StepTensionWork(Stepper stepper, PetscReal dt, StepTrial *trial)
   if (TensionReach(stepper->tension) <= 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &mean));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) mean[k] = 0.5 * (v[k] + v_new[k]);
-  if (cloud->liquid) PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, mean));
   SumCapillaryWork(cloud, dt, mean, trial);
-  SumInterfaceWork(cloud, dt, mean, trial);
   PetscCall(CloudRestoreWork(cloud, &mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,8 +2,9 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-extern const Edge MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge;
-const Edge *const StepEdges[] = {&MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge, &ResamplingEdge, &GasEdge, NULL};
+extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge;
+const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,     &ContactEdge, &FreeEdge,
+                                 &EmitterEdge,   &ResamplingEdge, &GasEdge,     NULL};
 
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
 {

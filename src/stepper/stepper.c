@@ -302,8 +302,7 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   const PetscReal *sum     = trial->sum;
   PetscReal        tension = sum[SUM_TENSION_WORK];
 
-  if (sum[SUM_AREA] > 0) tension -= sum[SUM_INFLOW] * sum[SUM_CAPILLARY_AREA] / sum[SUM_AREA];
-  for (const PetscReal *of = sum + SUM_LIQUIDS; of <= sum + SUM_LIQUIDS_LAST; of += LIQUID_SUMS)
+  for (const PetscReal *of = sum + SUM_SURFACES; of <= sum + SUM_SURFACES_LAST; of += SURFACE_SUMS)
     if (of[1] > 0) tension -= of[0] * of[2] / of[1];
 
   state->time               = PetscAbsReal(end - state->time - dt) <= 1e-9 * dt ? end : state->time + dt;

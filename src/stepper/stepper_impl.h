@@ -118,7 +118,7 @@ PetscBool StepViscosityFused(Stepper stepper);
    from StepSearch. In steps that StepSize made implicit viscosity acts at the new velocity. Sums the works of the
    forces. Boundaries that follow the liquid get their velocity in FIELD_VELOCITY_STAR. */
 PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density[], PetscBool fused, StepTrial *trial);
-/* StepTensionWork - sums the work of the pressure of tension on free surfaces and interfaces, after StepKick. */
+/* StepTensionWork - sums the work of the pressure of tension on the free surface, after StepKick. */
 PetscErrorCode StepTensionWork(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepDivergence - FIELD_DIVERGENCE, FIELD_VELOCITY_GRADIENT and FIELD_VELOCITY_JUMP of FIELD_VELOCITY_STAR. The
    divergence is that of the particles moved on for time_offset (s). */
@@ -142,9 +142,6 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
    grows with the size. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
    remainder. Not collective. */
 PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], PetscReal v[]);
-
-/* --- hooks.c --- */
-
 
 /* --- state.c --- */
 
@@ -174,12 +171,6 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
 /* TrialDiagnose - measures density error, largest density, area of the free surface and, with trial->diagnose, the
    divergence of FIELD_VELOCITY, at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);
-/* TrialInterface - n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds the flow
-   (m3/s) into a's liquid through a's part of the interface at the velocity v ([n_total][3], m/s) to *flow, unless this
-   is NULL. Not collective. */
-void TrialInterface(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM], PetscReal *flow);
-/* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
-PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
 /* TrialReduce - adds kinetic energy and mass, and reduces sums and largest values over all ranks. Collective. */
 PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial);
 /* TrialCheck - after TrialReduce: 'why' says in a sentence of at most 'length' bytes what is wrong with a step of dt

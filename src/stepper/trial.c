@@ -10,41 +10,6 @@ PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a)
   return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
 }
 
-void TrialInterface(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM], PetscReal *flow)
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION];
-  PetscReal        scale_w, scale_f, inverse_h2;
-
-  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  n[0] = n[1] = n[2] = 0;
-  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-    const PetscInt  b = cloud->list[k];
-    const PetscReal f = cloud->domain->volume * scale_f * cloud->slope[k];
-
-    if (cloud->integer[INT_LAYER][b] != 0 || !CloudAcrossInterface(cloud, a, b)) continue; /* a wall is no interface */
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscReal part = f * (x[DIM * a + d] - x[DIM * b + d]);
-
-      n[d] += part;
-      if (flow) *flow -= cloud->volume[a] * part * (v[DIM * a + d] + v[DIM * b + d]);
-    }
-  }
-}
-
-/* sigma times the area of the interface of two liquids, J: the integral of |sum V grad W| over the liquid on each side
-   is half the area. */
-static PetscReal InterfaceEnergy(Cloud cloud)
-{
-  const PetscReal sigma = SceneInterfaceTension(cloud->scene);
-  PetscReal       area  = 0, n[DIM];
-
-  for (PetscInt a = 0; a < cloud->n_fluid && sigma > 0; a++) {
-    TrialInterface(cloud, a, NULL, n, NULL);
-    area += cloud->volume[a] * Norm(n);
-  }
-  return sigma * area;
-}
-
 /* Whether particle a has neighbours along a line at most, in liquid so viscous that no capillary wave of a spacing's
    length breaks it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears.
    Liquid whose velocity is given, or that is about to leave through an open face, does not count: its end is a cut. */
@@ -83,7 +48,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
     trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);
     trial->sum[SUM_INSIDE]++;
   }
-  trial->sum[SUM_SURFACE_ENERGY] += InterfaceEnergy(cloud);
+  StepHook(stepper, diagnose, stepper, trial);
   if (!trial->diagnose) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &div));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div, NULL, NULL));

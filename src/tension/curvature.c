@@ -604,7 +604,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CurvatureSurface(Tension tension, Cloud cloud, const Phase *phase)
+PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
 {
   const Curvature *data = tension->data;
   PetscInt64       used = 0;                /* weights */

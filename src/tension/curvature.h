@@ -104,15 +104,12 @@ typedef struct {
   PetscInt64     weight_capacity;
 } Curvature;
 
-/* CurvatureOf - the data; NULL: the model is another one. CurvatureSurface - the work of TensionApply for the surface
-   of one phase: sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE of particles with a normal, and adds the forces of
-   sheets. SortNearSurface - marks in 'close' the fluid particles within SURFACE_REACH H of a surface particle,
-   independent of the cells, and sorts the liquid around them for each level. CurvatureSurface is collective. */
+/* CurvatureOf - the data; NULL: the model is another one. SortNearSurface - marks in 'close' the fluid particles within
+   SURFACE_REACH H of a surface particle, independent of the cells, and sorts the liquid around them for each level. */
 static inline Curvature *CurvatureOf(Tension tension)
 {
   return tension->model->on_surface ? (Curvature *)tension->data : NULL;
 }
-PetscErrorCode CurvatureSurface(Tension tension, Cloud cloud, const Phase *phase);
 PetscErrorCode SortNearSurface(Tension tension, Cloud cloud, const Phase *phase);
 
 /* ContactSetFromOptions - takes -<s>_contact_angle from the scene's solids; reads -wall_contact_angle and
@@ -186,10 +183,5 @@ static inline PetscBool LooseHas(Tension tension, PetscInt a)
    FIELD_ACCELERATION (m/s2) of the particles on it; nothing if all have one tension. Needs normals and correction of
    the last search. Not collective. */
 void MarangoniAdd(Cloud cloud);
-
-/* InterfaceApply - with two liquids, in place of one CurvatureSurface: one for the surface of each
-   liquid, and one for that of both together. Sets the same fields, and the cloud's at_interface, pressure_jump
-   and pressure_jump_slope. Collective. */
-PetscErrorCode InterfaceApply(Tension tension, Cloud cloud);
 
 #endif

@@ -48,8 +48,12 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   if (tension->rings && CurvatureOf(tension)->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(LineStart(tension, cloud));
-  PetscCall(tension->interface ? InterfaceApply(tension, cloud) : CurvatureSurface(tension, cloud, NULL));
-  if (!tension->interface) MarangoniAdd(cloud);
+  if (tension->surfaces) {
+    PetscCall(tension->surfaces(tension, cloud));
+  } else {
+    PetscCall(TensionSurface(tension, cloud, NULL));
+    MarangoniAdd(cloud);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

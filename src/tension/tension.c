@@ -21,7 +21,6 @@ PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension 
   t->size_most = DomainSizeMax(domain);
   t->spacing   = domain->spacing;
   t->active    = SceneHasTension(scene);
-  t->interface = (PetscBool)(SceneInterfaceTension(scene) > 0);
   t->ratio     = 1.75;
   for (PetscInt f = 0; f < 2 * DIM; f++) t->face[f / 2][f % 2] = domain->face[f / 2][f % 2];
   do {
@@ -95,7 +94,7 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most)
 
 PetscBool TensionOnSurface(Tension tension)
 {
-  return (PetscBool)(tension->active && !tension->interface && tension->model->on_surface);
+  return (PetscBool)(tension->active && !tension->surfaces && tension->model->on_surface);
 }
 
 PetscReal TensionReach(Tension tension)
@@ -135,6 +134,13 @@ void TensionJson(Tension tension, Json *json)
   JsonText(json, "contact_law", LineLaw(tension));
   ContactJson(tension, json);
   JsonEnd(json);
+}
+
+PetscErrorCode TensionSetSurfaces(Tension tension, TensionSurfaces surfaces)
+{
+  PetscFunctionBegin;
+  tension->surfaces = surfaces;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TensionDestroy(Tension *tension)

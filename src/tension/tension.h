@@ -41,6 +41,19 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero otherwise). Evaluates
    particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
+/* The liquid whose surface is evaluated, of several that do not mix. In its place NULL: all liquid. */
+typedef struct {
+  PetscInt             bits; /* of the liquids */
+  const unsigned char *of;   /* [n_total] bits of the particles */
+  PetscReal            part; /* of the tension, N/m */
+  const PetscInt      *also; /* [n_total] 1: counts as a surface particle, too; NULL: none */
+} Phase;
+/* TensionSurface - the work of TensionApply for the surface of one phase, by the model curvature: sets FIELD_CAPILLARY
+   and FIELD_CAPILLARY_SLOPE of particles with a normal, and adds the forces of sheets. TensionSetSurfaces - what the
+   model calls in place of TensionSurface for all liquid. Collective. */
+typedef PetscErrorCode (*TensionSurfaces)(Tension tension, Cloud cloud);
+PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase);
+PetscErrorCode TensionSetSurfaces(Tension tension, TensionSurfaces surfaces);
 /* TensionHasHysteresis - whether a wall or solid has hysteresis. TensionHasAngles - whether some contact angle is not
    90 degrees or has hysteresis. Not collective. */
 PetscBool TensionHasHysteresis(Tension tension);

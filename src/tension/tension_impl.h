@@ -11,14 +11,6 @@
 /* Column of the sorted liquid (SortedCells) for the cloud's weights, if they differ (for rings the area over V_0). */
 #define WEIGHT_COLUMN 8
 
-/* The liquid whose surface is evaluated, of two immiscible liquids: see interface.c. In its place NULL: all liquid. */
-typedef struct {
-  PetscInt             bits; /* of the liquids */
-  const unsigned char *of;   /* [n_total] bits of the particles */
-  PetscReal            part; /* of the tension, N/m */
-  const PetscInt      *also; /* [n_total] 1: counts as a surface particle, too; NULL: none */
-} Phase;
-
 /* The particle around which a sum is taken. */
 typedef struct {
   SortedCells *liquid; /* of its level of sizes */
@@ -47,7 +39,7 @@ struct _p_Tension {
   PetscBool           active; /* the scene has tension and the model is not none */
   PetscInt            dim;
   PetscBool           rings, weighted; /* the cloud's weights are not all 1 */
-  PetscBool           interface;       /* the scene has two immiscible liquids */
+  TensionSurfaces     surfaces;        /* of TensionSetSurfaces; NULL: that of all liquid */
   FaceType            face[DIM][2];    /* of the box */
   char                type[OPTION_WORD_LENGTH];
   const TensionModel *model;

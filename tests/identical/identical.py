@@ -44,6 +44,7 @@ SCENES = {
     "contact angle of a solid": ("-options_file cases/contact_angle/ball.opts", (2,), 40),
     "moving line": ("-options_file cases/ink_drop/case.opts -spacing 1.25e-6", (1,), 100),
     "two liquids": ("-options_file cases/two_liquids/case.opts -spacing 0.25e-3", (2,), 40),
+    "two liquids and air": ("-options_file cases/two_liquids/lens_rings.opts -spacing 0.25e-3", (2,), 40),
     "sloshing": ("-options_file cases/sloshing/case.opts", (2,), 40),
     "free body": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 0.001", (1, 2), 60),
     "free body, implicit": ("-options_file cases/floating_box/case.opts -spacing 0.02 -water_viscosity 100", (2,), 30),

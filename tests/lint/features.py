@@ -22,7 +22,7 @@ FEATURES = {
     "emitters": (("emitters/",),
                  r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 3),
     "resampling": (("resampling/",), r"Resampl\w+", 2),
-    "following": (("following/",), r"Follow[A-Z]\w*|Target[A-Z]\w*", 1),
+    "following": (("following/",), r"Follow(?:ing)?[A-Z]\w*|Target[A-Z]\w*", 1),
     "adaptive spacing": (("domain/", "following/"), r"adaptive|adaptive_data|Adaptive\w*", 6),
     "graded spacing": (("packing/graded.c", "neighbors/levels.c", "following/"),
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
@@ -32,8 +32,9 @@ FEATURES = {
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
                       r"|TensionMoveLines|TensionHasLaw|\w*MovingLine\w*", 5),
     "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 2),
-    "interface": (("tension/interface.c", "pressure/interface.c", "scene/liquids.c"),
-                  r"Interface[A-Z]\w*|\w+Interface|interface_\w+|SUM_LIQUIDS\w*|LIQUID_SUMS", 5),
+    "interface": (("interface/",), r"Interface[A-Z]\w*|\w+Interface|interface_\w+", 2),
+    "pressure jumps": (("neighbors/", "pressure/"),
+                       r"CloudPressureJump|CloudAcross|pressure_jump\w*|at_interface|Jumps[A-Z]\w*", 2),
 }
 # Lines outside of these folders that ask whether particles are rings: others take lengths, volumes and directions of
 # the domain. The number may not become larger.

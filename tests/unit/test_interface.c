@@ -1,6 +1,7 @@
 /* Two liquids that do not mix: bodies that overlap fill the lattice, the jump at a circle, the parts of three tensions,
    and that a pressure which balances the jumps pushes nothing, next to walls and at a free surface too. Lengths in
    spacings. Runs on any number of ranks. */
+#include "../../src/interface/interface_impl.h"
 #include "setup.h"
 #include "check.h"
 
@@ -23,6 +24,7 @@ static PetscErrorCode Open(const char options[], Setup *s)
   PetscCall(SetupMoments(s));
   PetscCall(PetscArrayzero(s->cloud->field[FIELD_VELOCITY_STAR], DIM * s->cloud->n_owned));
   PetscCall(SetupDivergence(s));
+  PetscCall(TensionSetSurfaces(s->tension, InterfaceApply));
   PetscCall(TensionApply(s->tension, s->cloud));
   PetscCall(PressureCreate(s->cloud, &s->pressure));
   PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));

@@ -3,14 +3,14 @@
    The tension of each pair of A, B and gas is the sum of two parts, sigma_AB = s_A + s_B, sigma_A = s_A + s_G and
    sigma_B = s_B + s_G (Smith, Solis and Chopp 2002). So each of the three has one tension along its whole boundary, and
    triple lines need no treatment: the corners of the three boundaries balance at the angles of Neumann's triangle. The
-   curvature of the boundary of A is that of the free surface of A alone (curvature.c). The same holds for B, and for
-   both together, whose boundary is that of the gas.
+   curvature of the boundary of A is that of the free surface of A alone (tension/curvature.c). The same holds for B,
+   and for both together, whose boundary is that of the gas.
 
    The pressure of A is raised by s_A kappa_A (the cloud's pressure_jump), that of B by s_B kappa_B; the gas has -s_G
    kappa_AB, with kappa_AB the curvature of both together. Sums over neighbours in different liquids use pressures less
    their jumps, and missing neighbours at a free surface have the pressure pressure_jump + s_G kappa_AB. A drop of
    constant curvature is then at rest exactly, like a drop of a single liquid. */
-#include "curvature.h"
+#include "interface_impl.h"
 
 /* Finds the bits of all particles ([n_total]), and which fluid particles are at the interface, ghosts too. */
 static PetscErrorCode FindLiquids(Cloud cloud, unsigned char bits[])
@@ -23,7 +23,7 @@ static PetscErrorCode FindLiquids(Cloud cloud, unsigned char bits[])
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->at_interface[a] = 0;
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->at_interface[a]; k++)
-      cloud->at_interface[a] = CloudAcrossInterface(cloud, a, cloud->list[k]);
+      cloud->at_interface[a] = CloudAcross(cloud, a, cloud->list[k]);
   }
   PetscCall(CloudUpdateIntArray(cloud, cloud->at_interface));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -35,7 +35,7 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, Phase phase)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  PetscCall(CurvatureSurface(tension, cloud, &phase));
+  PetscCall(TensionSurface(tension, cloud, &phase));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,7 +56,7 @@ static PetscErrorCode CompleteJumps(Cloud cloud, const PetscReal part[3])
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       const PetscInt b = cloud->list[k];
 
-      if (!CloudAcrossInterface(cloud, a, b) || cloud->pressure_jump[b] == 0) continue;
+      if (!CloudAcross(cloud, a, b) || cloud->pressure_jump[b] == 0) continue;
       sum += cloud->laplacian[k] * cloud->pressure_jump[b];
       weights += cloud->laplacian[k];
     }

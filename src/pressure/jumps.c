@@ -1,4 +1,4 @@
-/* The pressure jumps between two immiscible liquids. For neighbours a and b on both sides (CloudAcrossInterface) b's
+/* The pressure jumps between two immiscible liquids. For neighbours a and b on both sides (CloudAcross) b's
    pressure counts as p_b + [p], with the jump [p] of surface tension: in the gradient at a the jump at b; in Eq. (8),
    where both rows need one value, the jump in the middle. */
 #include "pressure_impl.h"
@@ -27,7 +27,7 @@ static void WallLiquid(Cloud cloud, PetscInt a)
   for (PetscInt d = 0; d < DIM; d++) cloud->pressure_jump_slope[DIM * a + d] = weight > 0 ? slope[d] / weight : 0;
 }
 
-PetscErrorCode InterfaceSetUp(Pressure pressure)
+PetscErrorCode JumpsSetUp(Pressure pressure)
 {
   Cloud cloud = pressure->cloud;
 
@@ -48,12 +48,12 @@ PetscErrorCode InterfaceSetUp(Pressure pressure)
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->at_interface[a] = 0;
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !cloud->at_interface[a]; k++)
-      cloud->at_interface[a] = CloudAcrossInterface(cloud, a, cloud->list[k]);
+      cloud->at_interface[a] = CloudAcross(cloud, a, cloud->list[k]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void InterfaceAdd(Pressure pressure, PetscScalar rhs[])
+void JumpsAdd(Pressure pressure, PetscScalar rhs[])
 {
   Cloud cloud = pressure->cloud;
 
@@ -63,13 +63,13 @@ void InterfaceAdd(Pressure pressure, PetscScalar rhs[])
 
     if (!cloud->at_interface[a]) continue;
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
-      if (CloudAcrossInterface(cloud, a, cloud->list[k]))
+      if (CloudAcross(cloud, a, cloud->list[k]))
         sum += PairWeight(pressure, k) * CloudPressureJump(cloud, a, cloud->list[k], 0.5);
     rhs[row] += pressure->weight_scale * sum;
   }
 }
 
-void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM])
+void JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
 
@@ -77,7 +77,7 @@ void InterfaceSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM
     const PetscInt b = row->index[k];
     PetscReal      c;
 
-    if (!CloudAcrossInterface(cloud, a, b)) continue;
+    if (!CloudAcross(cloud, a, b)) continue;
     c = CloudPressureJump(cloud, a, b, 1) * row->f[k];
     for (PetscInt d = 0; d < DIM; d++) sum[d] += c * (x[DIM * b + d] - x[DIM * a + d]);
   }
