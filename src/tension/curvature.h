@@ -179,9 +179,5 @@ static inline PetscBool LooseHas(Tension tension, PetscInt a)
   return (PetscBool)(data->loose && data->loose[a]);
 }
 
-/* MarangoniAdd - adds the pull grad_s sigma along a free surface that bodies of different tension share to
-   FIELD_ACCELERATION (m/s2) of the particles on it; nothing if all have one tension. Needs normals and correction of
-   the last search. Not collective. */
-void MarangoniAdd(Cloud cloud);
 
 #endif

@@ -48,12 +48,7 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   if (tension->rings && CurvatureOf(tension)->slender > 0) PetscCall(LooseFind(tension, cloud));
   PetscCall(LineStart(tension, cloud));
-  if (tension->surfaces) {
-    PetscCall(tension->surfaces(tension, cloud));
-  } else {
-    PetscCall(TensionSurface(tension, cloud, NULL));
-    MarangoniAdd(cloud);
-  }
+  PetscCall(tension->surfaces ? tension->surfaces(tension, cloud) : TensionSurface(tension, cloud, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

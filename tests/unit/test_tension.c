@@ -278,6 +278,30 @@ static PetscErrorCode TestSheet(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A strip of three particles, each side of which has one row of normals: displacements of a thousandth of a spacing do
+   not make the pressure of its surface steeper than that of its corners over a spacing. */
+static PetscErrorCode TestStrip(void)
+{
+  const PetscInt  strip[DIM] = {20, 3, 1};
+  const PetscReal any[]      = {0, 1000};
+  const PetscInt  n          = Fill(InShell, any, strip, origin, 0.001);
+  PetscReal       pressure = 0, slope = 0;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupFill(OPEN_2D, n, points, 0, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    pressure = PetscMax(pressure, PetscAbsReal(s.cloud->field[FIELD_CAPILLARY][a]));
+    slope    = PetscMax(slope, Norm(s.cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a));
+  }
+  PetscCall(SetupClose(&s));
+  CHECK(SetupMax(pressure) > 0.2, "strip_has_corners");
+  CHECK(SetupMax(slope) < SetupMax(pressure), "strip_is_even");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A sheet of one particle whose particles crowd and thin out along y, in 'waves' periods of the box of 14 spacings. The
    force per displacement that helps them to, in tensions over a squared spacing and particle, is at most half of what
    attraction alone has (0.12, 0.84, 1.20, 0.63, 0.15; see sheet.c). */
@@ -646,6 +670,7 @@ int main(int argc, char **argv)
   PetscCall(TestMirrors());
   PetscCall(TestExtremes());
   PetscCall(TestSheet());
+  PetscCall(TestStrip());
   PetscCall(TestUnevenSheet());
   PetscCall(TestZigzagSheet());
   PetscCall(TestThread());
