@@ -5,13 +5,14 @@
     make answer SCENE=my.opts QUANTITY=crater_depth:max ACCURACY=5 BUDGET=600
 
 A scene that is a body of revolution is computed as rings, one with mirrors as a half or a quarter, if its columns can
-be carried back (reduce.py) and if the whole scene at a coarse spacing gives the same (prove). COLUMN is one of
+be carried back (reduce.py) and if the whole scene at a coarse spacing gives the same (Proof). COLUMN is one of
 series.csv, TAKE one of max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). Where
 only ends are asked, runs end at rest (-stop_at_rest). It begins at coarse spacings, goes finer, and stops when the
 error of every quantity is at most ACCURACY per cent of it, or when the next spacing would cost more than what is left
-of BUDGET (seconds of one core, all runs together). Prints value, error by spacing, error by packing, and the command
-that reproduces the last run; FOLDER/answer.html has it with pictures. A run that is there already, by the same command,
-is not run again.
+of BUDGET (seconds of one core, all runs together). Runs end when no quantity can change any more: of a maximum, when
+two coarser spacings have shown that it has passed. A single run is divided among the cores that are free. Prints value,
+error by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with
+pictures. A run that is there already, by the same command, is not run again.
 """
 import argparse
 import csv
@@ -43,6 +44,7 @@ PROOF = 0.1  # of the budget, for the whole scene there
 ALIKE = 0.1  # relative difference of two models at a coarse spacing that is not the model's
 PAIR = 2  # packings of each
 ROUNDING = 1e-9  # of a number of steps
+SPLIT = 10  # s of a run, from which it is divided among cores that are free
 LEAST_SHARE = 0.05  # of the run, that the comparison must reach
 
 
@@ -71,20 +73,37 @@ class Answer:
             for q in quantities:
                 q.find(known["columns"])
         self.more, self.end = self.more + quantity.ends(quantities, known), known["time_end"]
+        self.until = self.needed_time(None)
         self.rungs, self.notes, self.spent, self.model, self.doubt = [], [], 0.0, "", ""
 
     def run(self, spacing, seeds):
         """The runs at a spacing that ended well."""
-        together = [launch.Run(self.scene, self.more + ["-spacing", f"{spacing:.6g}", "-packing_seed", str(seed)],
+        more = self.more + (["-time_end", f"{self.until:.6g}"] if self.shorter() else [])
+        together = [launch.Run(self.scene, more + ["-spacing", f"{spacing:.6g}", "-packing_seed", str(seed)],
                                os.path.join(self.folder, f"run_{spacing:.6g}_{seed}"), self.patience(spacing))
                     for seed in seeds]
-        launch.together(together, self.arguments.jobs)
+        launch.together(together, self.arguments.jobs, self.ranks(spacing, len(together)))
         good = [run for run in together if run.series]
         self.spent += sum(run.cpu for run in together)
+        if good and self.shorter() and self.needed_time(good) == math.inf:  # at this spacing it comes later
+            self.until = math.inf
+            return self.run(spacing, seeds)
         for run in together:
             if not run.series:
                 self.notes.append(f"{launch.text_of(self.scene, run.options)}: {run.reason}")
         return good
+
+    def needed_time(self, runs):
+        """The time until which runs tell the quantities, by those at a spacing; None: before any."""
+        return max(q.needs(run.series if run else None) for q in self.quantities for run in runs or [None])
+
+    def shorter(self):
+        return self.end is not None and self.until < self.end * (1 - 1e-9)
+
+    def ranks(self, spacing, count):
+        """On how many ranks each of so many runs goes: more than one where cores are free."""
+        free = all(run.alone() for _, runs in self.rungs[-1:] for run in runs)
+        return max(1, self.arguments.jobs // count) if free and self.guess(spacing) > SPLIT else 1
 
     def patience(self, spacing):
         """Seconds after which a run at a spacing is given up: one that has a step of nothing never ends."""
@@ -164,6 +183,8 @@ class Answer:
                 self.say(spacing, verdicts)
             if len(self.rungs) > 2 and self.enough(verdicts):
                 return verdicts, ""
+            if len(self.rungs) > 1:
+                self.until = max(self.needed_time(runs) for _, runs in self.rungs[-2:])
         if not self.rungs:
             raise tables.RunError(f"no run ended: {self.notes[-1]}")
         return verdicts, "the finest spacing that is tried has been reached"
@@ -301,8 +322,11 @@ def report(answer, verdicts, why):
                      f"{confidence(v, answer.arguments.accuracy, answer.doubt)}.")
     spacing, runs = answer.rungs[-1]
     lines += [f"Note: {said}." for q in answer.quantities for said in q.remarks(runs[0].series)]
-    if answer.end and runs[0].series["time"][-1] < answer.end * (1 - 1e-9):
-        lines.append(f"Note: the runs ended at rest, the last at {runs[0].series['time'][-1]:.3g} s.")
+    last = runs[0].series["time"][-1]
+    if answer.shorter() and last < answer.end * (1 - 1e-9):
+        lines.append(f"Note: the last runs ended at {last:.3g} s: later the curves had stayed away from what is asked.")
+    elif answer.end and last < answer.end * (1 - 1e-9):
+        lines.append(f"Note: the runs ended at rest, the last at {last:.3g} s.")
     lines.append(f"Price: {answer.spent:.0f} s for {sum(len(r) for _, r in answer.rungs)} runs; the last took "
                  f"{runs[-1].cpu:.3g} s. {('It ended because ' + why + '.') if why else ''}".rstrip())
     lines.append(f"Model: {answer.model}")

@@ -10,12 +10,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "pictures"))
 import tables  # noqa: E402
 
 KEPT = ("series.csv", "scene.json", "options.opts", "log.txt", "droplets.csv")  # of a run; the rest is not needed
+STARTED = 1  # s, which mpiexec does not use where it cannot start ranks
+CROWDED = 1.25  # times the processor time of a run that had its cores for itself
 NEAR = 0.8  # of its limit, where the kernel, which counts ticks, may stop a run on a busy machine
 
 
@@ -38,11 +41,12 @@ def text_of(scene, options):
     return " ".join(["isph", "-options_file", scene, *options])
 
 
-def start(scene, options, limit=math.inf):
+def start(scene, options, limit=math.inf, ranks=1):
     """Runs isph to its end, or until it has used 'limit' processor seconds: (exit code, its last words, processor
     seconds). The clock is no measure: the machine may be busy."""
+    side = ["-ranks", str(ranks)] if ranks > 1 else []
     with tempfile.TemporaryFile("w+") as out:
-        process = subprocess.Popen(command(scene, options), stdout=out, stderr=subprocess.STDOUT,
+        process = subprocess.Popen(command(scene, options) + side, stdout=out, stderr=subprocess.STDOUT,
                                    env=dict(os.environ, OMP_NUM_THREADS="1"))
         if math.isfinite(limit):
             resource.prlimit(process.pid, resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 1))
@@ -88,7 +92,12 @@ class Run:
 
     def __init__(self, scene, options, folder, limit=math.inf):
         self.scene, self.options, self.folder, self.limit = scene, options, folder, limit
-        self.cpu, self.reason, self.series = 0.0, "", None
+        self.cpu, self.wall, self.reason, self.series = 0.0, 0.0, "", None
+        self.ranks = 1
+
+    def alone(self):
+        """Whether it had a core for each of its processes; what was not run now does not tell."""
+        return self.wall <= CROWDED * self.cpu / self.ranks
 
     def go(self):
         mark = os.path.join(self.folder, "command.txt")
@@ -101,8 +110,13 @@ class Run:
                 return self
         except (OSError, ValueError, tables.RunError):
             pass
-        code, last, self.cpu = start(self.scene, ["-snapshot_interval", "0", *self.options, "-output_dir", self.folder,
-                                                  "-output_overwrite", "-checkpoint_interval", "0"], self.limit)
+        words = ["-snapshot_interval", "0", *self.options, "-output_dir", self.folder, "-output_overwrite",
+                 "-checkpoint_interval", "0"]
+        begin = time.monotonic()
+        code, last, self.cpu = start(self.scene, words, self.limit, self.ranks)
+        if code and self.ranks > 1 and self.cpu < STARTED:
+            code, last, self.cpu = start(self.scene, words, self.limit)
+        self.wall = time.monotonic() - begin
         if code:
             self.reason = last
             return self
@@ -116,7 +130,9 @@ class Run:
         return self
 
 
-def together(all_runs, jobs):
-    """Runs them, 'jobs' at a time."""
+def together(all_runs, jobs, ranks=1):
+    """Runs them, 'jobs' at a time, each on so many ranks."""
+    for run in all_runs:
+        run.ranks = ranks
     with concurrent.futures.ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
         return list(pool.map(Run.go, all_runs))

@@ -13,6 +13,8 @@ LAST = 0.1  # of a run: its end, which is not at rest if the curve changes in it
 MOVED, RESTS = 0.01, 0.02  # the second is that of -stop_at_rest
 ENERGIES = ["kinetic_energy", "potential_energy", "surface_energy"]  # which rest where all does
 LONGEST = 20  # times the scene's time, in which a run must come to rest
+PASSED = 0.5  # of the range of a curve, by which it stays below its extreme when that has passed
+LATER = 1.1  # times that time, until which a run at a finer spacing goes
 START = 0.05  # of the run: an extreme pressure or force in it may be the packing's
 
 
@@ -75,6 +77,20 @@ class Quantity:
             return float(t[np.flatnonzero(away)[-1] + 1]) if away.any() and known[-1] else float(t[0])
         return float({"max": np.nanmax(y), "min": np.nanmin(y), "end": y[-1], "rest": y[-1],
                       "time_of_max": t[np.nanargmax(y)]}[self.take])
+
+    def needs(self, series):
+        """The time after which this run has told nothing more: of an extreme that from which on the curve stays below
+        it by PASSED of its range; inf: its end is asked for. series: None before any run."""
+        if self.take in ("at", "mean"):
+            return self.times[-1]
+        if self.take not in ("max", "min", "time_of_max") or series is None:
+            return math.inf
+        t, y = self.curve(series)
+        y = -y if self.take == "min" else y
+        if not np.isfinite(y).any() or np.nanmax(y) == np.nanmin(y):
+            return math.inf
+        near = np.flatnonzero(y > np.nanmax(y) - PASSED * (np.nanmax(y) - np.nanmin(y)))
+        return t[0] + LATER * (t[near[-1] + 1] - t[0]) if near[-1] + 1 < len(t) else math.inf
 
     def remarks(self, series):
         """Sentences about the value of a run: where the curve has a gap, an end that still changes, an extreme of the

@@ -189,6 +189,12 @@ def quantities():
         runs.check(words in " ".join(said), f"remark_{text}", str(said))
     late = {"time": [1, 2, 3], "a": [1, 2, 3]}
     refused(lambda: quantity.Quantity("a:mean=0,2").of(late), "times from 1 to 3 s", "refuses_a_mean_before_the_start")
+    peaks = {"time": [0, 1, 2, 3, 4, 5, 6], "a": [0, 9, 5, 3, 6, 1, 1], "up": list(range(7)), "flat": [1] * 7}
+    for text, due in (("a:max", 5.5), ("a:time_of_max", 5.5), ("a:min", math.inf), ("up:max", math.inf),
+                      ("up:min", 3.3), ("flat:max", math.inf), ("a:at=2", 2), ("a:mean=1,3", 3), ("a:end", math.inf),
+                      ("a:settles=5", math.inf)):
+        found = quantity.Quantity(text).needs(peaks)
+        runs.check(found == due or abs(found - due) < 1e-9, f"needs_{text}", str(found))
     words = quantity.ends(quantity.read("a:rest"), {"time_start": 1, "time_end": 2})
     runs.check(words[:2] == ["-time_end", "21"], "a_value_at_rest_has_twenty_times_the_time", str(words))
     runs.check(study.values_of("1..3/3") == ["1", "2", "3"], "range_of_a_study", str(study.values_of("1..3/3")))
@@ -424,6 +430,50 @@ def packings():
                str(tried[:12]))
 
 
+def passed():
+    """From the third spacing on runs end when a maximum has passed, and go on where it comes later; a single dear run
+    has all cores, if they are free."""
+    path, quantities, arguments, known = asked("passed", TANK.format("0.3"), "highest:max")
+    arguments.accuracy, arguments.budget = 1e-3, 1e9
+    made, tried = launch.Run.go, []
+
+    def peaking(run):
+        ends = float(run.options[run.options.index("-time_end") + 1]) if "-time_end" in run.options else 0.2
+        spacing = float(run.options[-3])
+        peak = 0.09 if spacing < 0.03 else 0.03
+        t = np.linspace(0, ends, 201)
+        run.cpu, run.wall = 100, 100 / run.ranks
+        run.series = {"time": t, "highest": np.where(abs(t - peak) < 0.02, 1 + spacing, 0)}
+        tried.append((spacing, ends, run.ranks))
+        return run
+    launch.Run.go = peaking
+    found = answer.Answer(path, quantities, arguments)
+    verdicts, _ = found.climb()
+    spacings = sorted({s for s, _, _ in tried}, reverse=True)
+    ends = [[e for s, e, _ in tried if s == spacing] for spacing in spacings]
+    runs.check(set(ends[0] + ends[1]) == {0.2}, "two_spacings_run_whole", str(ends))
+    runs.check(all(abs(e - 0.055) < 2e-3 for e in ends[2]), "then_until_it_has_passed", str(ends))
+    again = next(k for k, of in enumerate(ends) if k > 1 and max(of) > 0.1)
+    runs.check(ends[again][0] < 0.06 and ends[again][-1] == 0.2, "again_where_it_comes_later", str(ends))
+    runs.check_within(verdicts[0].value, 1, 1.1, "and_finds_it")
+    runs.check({r for s, _, r in tried if s == spacings[0]} == {1}, "what_has_no_price_is_not_divided", str(tried))
+    runs.check({r for s, _, r in tried if s in spacings[2:]} == {2}, "a_single_dear_run_is", str(tried))
+    for run in found.rungs[-1][1]:
+        run.wall = 300
+    runs.check(found.ranks(0.5, 1) == 1, "not_on_a_busy_machine", str(found.ranks(0.5, 1)))
+    launch.Run.go = made
+    later = answer.Answer(path, quantity.read("highest:at=0.1,highest:mean=0.02,0.05"), arguments)
+    run = later.run(0.1, [1])[0]
+    runs.check_within(run.series["time"][-1], 0.1, 0.1 + 1e-9, "a_value_at_a_time_ends_there")
+    divided = launch.Run(path, ["-spacing", "0.1", "-packing_seed", "1"], runs.scratch("divided"))
+    os.environ.update(runs.mpi.ANY)
+    launch.together([divided], 1, 2)
+    runs.check(not divided.reason, "a_run_on_two_ranks_ends", divided.reason)
+    with open(os.path.join(divided.folder, "log.txt"), encoding="utf-8") as file:
+        runs.check("on 2 ranks" in file.read(), "a_run_on_two_ranks")
+    runs.check_within(divided.series["time"][-1], 0.2 - 1e-9, 0.2 + 1e-9, "which_ends")
+
+
 def resting(times, curve):
     """The time at which the curve has stayed within 2 % of its range since half of it."""
     return next((t for t in times[10:] if np.ptp(curve[(times >= t / 2) & (times <= t)]) <= 0.02 * np.ptp(
@@ -534,7 +584,7 @@ def models():
 
 PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
          "holds": holds, "figures": figures, "squares": squares, "carries": carries,
-         "rests": rests, "coarse": coarse, "packings": packings,
+         "rests": rests, "coarse": coarse, "packings": packings, "passed": passed,
          "keys": keys}
 for part in runs.parts(*PARTS):
     PARTS[part]()

@@ -20,6 +20,7 @@ sys.path[:0] = [os.path.join(HERE, "..", "verify"), os.path.join(HERE, ".."),
 import numpy as np  # noqa: E402
 import answer  # noqa: E402
 import physics  # noqa: E402
+import runner  # noqa: E402
 import quantity  # noqa: E402
 import runs  # noqa: E402
 import tables  # noqa: E402
@@ -63,6 +64,46 @@ def pulsing(time):
     return 0.5 * 1000 * strain**2 * math.pi * a * b * (a * a + b * b) / 4
 
 
+def shear():
+    """Forces (N/m) along x on the wall that moves in cases/couette and on the floor of cases/poiseuille, at the end."""
+    mu, nu, time, height, length = 1e-3, 1e-6, 0.6, 1e-3, 5e-4
+    left = [math.exp(-nu * (n * math.pi / height)**2 * time) for n in range(1, 60)]
+    dragged = -mu * 1.25e-5 / height * (1 + 2 * sum(left)) * length
+    return dragged, 1e-4 * 1000 * height / 2 * length * (1 - sum(
+        8 / (n * math.pi)**2 * e for n, e in enumerate(left, 1) if n % 2))
+
+
+def film(time):
+    """Kinetic energy (J/m) of the film of cases/film_on_slope."""
+    z = np.linspace(0, 2e-3, 4001)
+    return 0.5 * 1000 * 4e-3 * np.trapz(runner.module_of("film_on_slope").speed(z, time)**2, z)
+
+
+def bubble():
+    """Largest kinetic energy (J/m) of the liquid around the bubble of cases/breathing_bubble."""
+    inner, outer, rho, times = 0.01, 0.02, 1000, np.arange(0, 0.048, 2e-6)
+    rate, _ = runner.module_of("breathing_bubble").breathing(2, {
+        "-hole_radius": inner, "-shell_radius": outer, "-shell_density": rho, "-gas_pressure": 1e4,
+        "-gas_pressure_start": 10706.9})
+    r, u = physics.integrate(rate, (inner, 0), 0, times, 1).T
+    return (math.pi * rho * (r * u)**2 * np.log(np.sqrt(outer**2 - inner**2 + r**2) / r)).max()
+
+
+def sinking():
+    """Speed (m/s) of the ball of cases/sinking_ball in its tube: Haberman and Sayre (1958)."""
+    ball = runner.module_of("sinking_ball")
+    return -2 / 9 * ball.EXCESS * ball.G * ball.RADIUS**2 / (ball.VISCOSITY * ball.haberman_sayre(
+        ball.RADIUS / ball.TUBE))
+
+
+def swing():
+    """Half a period (s) of the drop of cases/oscillating_drop/rings.opts, and its height (m) above its middle then: Lamb,
+    art. 275 and 355, small amplitudes."""
+    damping = 5 * 3.5e-3 / (1100 * 2e-3**2)
+    half = math.pi / math.sqrt(8 * 0.067 / (1100 * 2e-3**3) - damping**2)
+    return half, 2e-3 - 0.06e-3 * math.exp(-damping * half)
+
+
 def segment(degrees):
     """Height and chord (m) of the segment of a circle that half a circle of 2 mm becomes at a contact angle."""
     t = math.radians(degrees)
@@ -77,6 +118,7 @@ def rows():
     angle = [("wetting", "contact_angle", "case.opts", f"-wall_contact_angle {degrees}\n-time_end 0.15\n-gauge_spread",
               [("highest:end", segment(degrees)[0]), ("contact_diameter_ymin:end", segment(degrees)[1]),
                ("contact_angle_ymin:end", degrees)]) for degrees in (60, 120)]
+    half, high = swing()
     box, deep, wall = "reference_box.csv", "reference.csv", "reference.csv"
     return [
         ("flow", "taylor_green", "case.opts", "", [("kinetic_energy:end", energy),
@@ -114,7 +156,18 @@ def rows():
         ("flow", "central_force", "case.opts", "-time_end 4.5", [("kinetic_energy:at=4", pulsing(4))]),
         ("flow", "standing_wave", "case.opts", "-time_end 0.35", [
             ("kinetic_energy:time_of_max", math.pi / 2 / math.sqrt(9.81 * 2 * math.pi * math.tanh(math.pi)))]),
-        ("flow", "free_fall", "case.opts", "", [("highest:at=0.1", 0.078 + 2 * 0.1 - 0.5 * 9.81 * 0.1**2)])]
+        ("flow", "free_fall", "case.opts", "", [("highest:at=0.1", 0.078 + 2 * 0.1 - 0.5 * 9.81 * 0.1**2)]),
+        ("flow", "film_on_slope", "case.opts", "", [("kinetic_energy:end", film(0.2)),
+                                                    ("kinetic_energy:at=0.05", film(0.05))]),
+        ("flow", "square_patch", "case.opts", "", [("kinetic_energy:at=1", 1000 / 12)]),
+        ("flow", "turning_box", "case.opts", "", [("kinetic_energy:end", 1000 * 2**2 / 12)]),
+        ("flow", "stretching_drop", "case.opts", "-gauge_points 0,0\n-series_interval 1e-4", [
+            ("point_1_pressure:at=0.0038", 0.30658 * 1000 * 100**2)]),
+        ("flow", "breathing_bubble", "case.opts", "", [("kinetic_energy:max", bubble())]),
+        ("flow", "oscillating_drop", "rings.opts", "", [(f"highest:at={half}", high)]),
+        ("force", "couette", "case.opts", "-gauge_forces", [("force_ymax_x:end", shear()[0])]),
+        ("force", "poiseuille", "case.opts", "-gauge_forces", [("force_ymin_x:end", shear()[1])]),
+        ("force", "sinking_ball", "case.opts", "", [("ball_velocity_y:mean=0.05,0.1", sinking())])]
 
 
 def ask(kind, case, name, options, wanted, budget):

@@ -41,13 +41,18 @@ COLUMNS = ("case", "label", "scheme", "options", "quantity", "measured", "expect
            "version", "date", "id", "value", "remark")
 
 
-def load(case):
-    """check(folder) of cases/<case>/check.py."""
+def module_of(case):
+    """The module cases/<case>/check.py."""
     path = os.path.join(runs.ROOT, "cases", case, "check.py")
     spec = importlib.util.spec_from_file_location("check_" + case, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.check
+    return module
+
+
+def load(case):
+    """check(folder) of a case."""
+    return module_of(case).check
 
 
 def version():
