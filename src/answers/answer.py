@@ -303,7 +303,7 @@ def confidence(verdict, accuracy, doubt=""):
     if doubt:
         return "fair: " + doubt
     if not math.isfinite(verdict.bar):
-        return "none: too few runs"
+        return "none: " + verdict.words
     if verdict.bar > accuracy / 100 * abs(verdict.value):
         return "low: " + verdict.words
     if 0.5 < verdict.order < 4 or "no more than packings" in verdict.words:

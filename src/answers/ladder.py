@@ -4,7 +4,8 @@ The error by the spacing: a line value = limit + slope spacing through the means
 says how far the finest is from the limit; to this comes the scatter of the means about the line. SPH with free surfaces
 converges with order one, and single differences of two spacings are as often chance as not: the order that they suggest
 is shown, but not believed. The bar is MARGIN times that. The error by chance is that of the mean of the packings at the
-finest spacing."""
+finest spacing. Where the last means go one way in steps that are no chance and do not shrink, no limit is to be seen,
+and no error is given."""
 import math
 
 FEW = 5
@@ -46,7 +47,14 @@ class Verdict:
         off = [m - level - slope * (s - middle) for s, m in zip(spacings, means)]
         scatter = math.sqrt(sum(o * o for o in off) / (len(off) - 2))
         self.spacing = MARGIN * math.hypot(slope * spacings[-1], scatter)
-        before, last = means[-2] - means[-3], means[-1] - means[-2]
+        steps = [fine - coarse for coarse, fine in zip(means, means[1:])]
+        before, last = steps[-2:]
+        one_way = all(step * last > 0 for step in steps)
+        if len(steps) > 2 and one_way and abs(last) >= abs(steps[0]) and (
+                min(map(abs, steps)) > math.sqrt(2) * self.chance):
+            self.spacing = math.inf
+            self.words = "the spacings go one way, in steps that do not shrink: no limit is seen"
+            return
         if before * last > 0:
             self.order = math.log(before / last) / math.log(spacings[-2] / spacings[-1])
             self.words = f"the last three spacings go one way, with order {self.order:.2g}"

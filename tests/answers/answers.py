@@ -165,6 +165,20 @@ def ladders():
     runs.check_within(inside / 200, 0.85, 1, "coverage_of_made_up_values")
 
 
+def diverging():
+    """Values that grow with the logarithm of the spacing have no bar; what chance does has one."""
+    for name, way, limit in (("logarithm", lambda h: 1 - 0.1 * math.log(h), False),
+                             ("order_0.4", lambda h: h**0.4, True), ("order_1", lambda h: h, True),
+                             ("up_and_down", lambda h: (-1)**round(2 * math.log2(h)), True)):
+        for count in (3, 4, 5):
+            found = ladder.Verdict(rungs(way, count=count))
+            runs.check(math.isfinite(found.bar) == (limit or count < 4), f"{name}_of_{count}",
+                       f"{found.bar}: {found.words}")
+    noisy = [(s, [v + e for e in (-1, 0, 1)]) for s, (v, *_) in rungs(lambda h: 1 - 0.1 * math.log(h), count=5)]
+    runs.check(math.isfinite(ladder.Verdict(noisy).bar), "what_chance_does_has_a_bar", ladder.Verdict(noisy).words)
+    runs.check("do not shrink" in answer.confidence(ladder.Verdict(rungs(lambda h: -math.log(h))), 5), "and_says_why")
+
+
 def quantities():
     series = {"time": [0, 1, 2, 2.9], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3], "wide_ymin": [1, 2, 3, 4],
               "p": [0, 7, 5, 5], "gap": [1, math.nan, math.nan, 2],
@@ -582,10 +596,9 @@ def models():
             runs.check_within(ratio, 1 - tolerance, 1 + tolerance, f"{name}_{column}: {why[:30]}")
 
 
-PARTS = {"ladders": ladders, "quantities": quantities, "reductions": reductions, "models": models, "programs": programs,
-         "holds": holds, "figures": figures, "squares": squares, "carries": carries,
-         "rests": rests, "coarse": coarse, "packings": packings, "passed": passed,
-         "keys": keys}
+PARTS = {"ladders": ladders, "diverging": diverging, "quantities": quantities, "reductions": reductions,
+         "models": models, "programs": programs, "holds": holds, "figures": figures, "squares": squares,
+         "carries": carries, "rests": rests, "coarse": coarse, "packings": packings, "passed": passed, "keys": keys}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

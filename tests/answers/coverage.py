@@ -97,8 +97,8 @@ def sinking():
 
 
 def swing():
-    """Half a period (s) of the drop of cases/oscillating_drop/rings.opts, and its height (m) above its middle then: Lamb,
-    art. 275 and 355, small amplitudes."""
+    """Half a period (s) of the drop of cases/oscillating_drop/rings.opts, and its height (m) above its middle then:
+    Lamb, art. 275 and 355, small amplitudes."""
     damping = 5 * 3.5e-3 / (1100 * 2e-3**2)
     half = math.pi / math.sqrt(8 * 0.067 / (1100 * 2e-3**3) - damping**2)
     return half, 2e-3 - 0.06e-3 * math.exp(-damping * half)
@@ -183,7 +183,8 @@ def ask(kind, case, name, options, wanted, budget):
     verdicts, _ = asked.climb()
     slack = REFERENCE if case in ("dry_wall", "deep_pool", "drop_impact") else 0
     return [{"kind": kind, "scene": f"{case} {name}", "quantity": q, "value": f"{v.value:.5g}", "bar": f"{v.bar:.2g}",
-             "right": f"{right:.5g}", "inside": "yes" if abs(v.value - right) <= v.bar + slack * right else "no",
+             "right": f"{right:.5g}", "inside": "yes" if abs(v.value - right) <= v.bar + slack * right < math.inf else
+             "no" if math.isfinite(v.bar) else "not claimed",
              "confidence": answer.confidence(v, 5), "seconds": f"{asked.spent:.0f}"}
             for (q, right), v in zip(wanted, verdicts)]
 
@@ -195,8 +196,9 @@ def table(found):
     counts = [(kind, sum(row["inside"] == "yes" for row in found if row["kind"] == kind),
                sum(row["kind"] == kind for row in found)) for kind in kinds]
     inside = sum(n for _, n, _ in counts)
+    without = sum(row["inside"] == "not claimed" for row in found)
     return "\n".join(lines) + f"\n\nInside: {inside} of {len(found)}; " + ", ".join(
-        f"{kind} {n} of {m}" for kind, n, m in counts) + "."
+        f"{kind} {n} of {m}" for kind, n, m in counts) + (f"; of {without} no error is given." if without else ".")
 
 
 def main():
