@@ -179,5 +179,4 @@ static inline PetscBool LooseHas(Tension tension, PetscInt a)
   return (PetscBool)(data->loose && data->loose[a]);
 }
 
-
 #endif
