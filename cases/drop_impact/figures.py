@@ -117,7 +117,8 @@ def figure_1(folder, times, quarter, path):
     rows = len(chosen)
     figure, axes = plt.subplots(rows, 3, figsize=(12.6, 0.35 + 2.9 * rows), squeeze=False,
                                 gridspec_kw=dict(wspace=0.03, hspace=0.04))
-    shapes = together(functools.partial(moment, mirrors, quarter), [file for _, file in chosen])
+    shapes = together(functools.partial(moment, mirrors, quarter), [file for _, file in chosen],
+                      "moments of figure 1")
     for row, (time, _), (eye, top, middle) in zip(axes, chosen, shapes):
         row[0].imshow(surface.render(*eye, EYE, PANEL), interpolation="antialiased")
         above = ABOVE["height"] * 1e3 / 2

@@ -4,8 +4,11 @@ import multiprocessing
 import os
 import shutil
 import sys
+import time
 
 from tables import PACKAGES, RunError
+
+PATIENCE = 5  # s between lines of progress
 
 
 def with_display():
@@ -20,11 +23,21 @@ def with_display():
     os.execvp(command[0], command + sys.argv[1:])
 
 
-def together(function, items):
+def counted(results, count, what):
+    """Passes results on; lines on standard error say how many there are."""
+    last = time.monotonic()
+    for number, result in enumerate(results, 1):
+        if number == count or time.monotonic() - last > PATIENCE:
+            last = time.monotonic()
+            print(f"{what}: {number} of {count}", file=sys.stderr, flush=True)
+        yield result
+
+
+def together(function, items, what):
     """[function(item), ...], by as many processes as there are cores. They are forked, so it is called before anything
-    is rendered: a connexion to the display is one process's."""
+    is rendered: a connexion to the display is one process's. what: the items, in lines of progress."""
     cores = len(os.sched_getaffinity(0))
     if min(cores, len(items)) < 2:
-        return [function(item) for item in items]
+        return list(counted(map(function, items), len(items), what))
     with concurrent.futures.ProcessPoolExecutor(cores, multiprocessing.get_context("fork")) as pool:
-        return list(pool.map(function, items))
+        return list(counted(pool.map(function, items), len(items), what))

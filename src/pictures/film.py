@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 import tables
-from display import with_display
+from display import counted, with_display
 
 SIZE = (8.0, 6.0)  # inches at DPI dots: even numbers of pixels, as the encoder wants
 DPI = 120
@@ -62,7 +62,7 @@ def main():
     os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, "film.mp4")
     with tempfile.TemporaryDirectory() as scratch:
-        for number, (_, snapshot) in enumerate(run.files):
+        for number, (_, snapshot) in enumerate(counted(run.files, len(run.files), "frames")):
             frame(run, run.read(snapshot), arguments, ends, view, os.path.join(scratch, f"{number:06d}.png"))
         command = ["ffmpeg", "-y", "-loglevel", "error", "-framerate", f"{arguments.rate:g}", "-i",
                    os.path.join(scratch, "%06d.png"), "-c:v", "libx264", "-pix_fmt", "yuv420p", path]

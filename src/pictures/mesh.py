@@ -136,7 +136,8 @@ def main():
     folder = os.path.join(arguments.folder, "mesh")
     os.makedirs(folder, exist_ok=True)
     meshes, clouds = [], []
-    for time, path in run.files if arguments.times is None else run.moments(arguments.times):
+    files = run.files if arguments.times is None else run.moments(arguments.times)
+    for time, path in counted(files, len(files), "meshes"):
         number = os.path.basename(path)[len("snapshot_"):-len(".h5")]
         state = run.read(path)
         meshes.append((time, os.path.join(folder, f"surface_{number}.{arguments.format}")))
@@ -164,4 +165,5 @@ if __name__ == "__main__":
         from vtkmodules.vtkFiltersCore import vtkPolyDataConnectivityFilter
         from vtkmodules.vtkIOPLY import vtkPLYWriter
         from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+        from display import counted
         main()

@@ -102,7 +102,8 @@ def window(run, states):
 def surfaces(run, states, arguments, ends, folder):
     """Perspective, and the view from above."""
     colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
-    shapes = together(functools.partial(views.Shape, run, color=arguments.color, ends=ends, colormap=colormap), states)
+    shapes = together(functools.partial(views.Shape, run, color=arguments.color, ends=ends, colormap=colormap), states,
+                      "surfaces")
     for name in ("surface", "top"):
         if name == "surface":
             view, half = views.camera(run, states, arguments.azimuth, arguments.elevation)

@@ -61,7 +61,9 @@
     result.setAttribute('position', new THREE.BufferAttribute(points, 3));
     result.setIndex(new THREE.BufferAttribute(cells, 1));
     if (colors) result.setAttribute('color', new THREE.BufferAttribute(colors, 3, true));
-    if (!data.flat) result.computeVertexNormals();
+    if ('normals' in shape) {
+      result.setAttribute('normal', new THREE.BufferAttribute(numbers(shape.normals, Int8Array), 3, true));
+    } else if (!data.flat) result.computeVertexNormals();
     return result;
   }
 

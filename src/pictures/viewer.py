@@ -9,7 +9,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkQuadricDecimation
+from vtkmodules.vtkFiltersCore import vtkBinnedDecimation, vtkQuadricDecimation
 
 import columns
 import run as data
@@ -19,6 +19,8 @@ from display import together
 
 STEPS, SHADES = 65535, 255  # of a 16-bit coordinate, of an 8-bit value
 COARSEST = 2  # largest cells of the surface over those of a picture
+BINNED = 2.5  # times the triangles wanted: so many are left by bins, in which corners join; the others go by their error
+SIDES = 127  # steps of a component of a normal, to either side
 MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
 STRIP = 0.015  # thickness of walls in two dimensions over the box
 AZIMUTH, ELEVATION = 25, 25  # degrees, of the first view
@@ -40,16 +42,26 @@ def thin(points, cells, most):
     corners.SetData(numpy_to_vtk(points, deep=True))
     mesh.SetPoints(corners)
     polygons = vtkCellArray()
-    polygons.SetCells(len(cells), numpy_to_vtkIdTypeArray(
-        np.column_stack([np.full(len(cells), 3), cells]).ravel().astype(np.int64), deep=True))
+    polygons.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells.ravel(), np.int64), deep=True))
     mesh.SetPolys(polygons)
+    if len(cells) > BINNED * most:
+        mesh = surface.passed(bins(points, cells, BINNED * most), mesh)
     fewer = vtkQuadricDecimation()
-    fewer.SetInputData(mesh)
-    fewer.SetTargetReduction(1 - most / len(cells))
-    fewer.Update()
-    out = fewer.GetOutput()
+    fewer.SetTargetReduction(max(0, 1 - most / mesh.GetNumberOfCells()))
+    out = surface.passed(fewer, mesh)
     return (vtk_to_numpy(out.GetPoints().GetData()).astype(float),
-            vtk_to_numpy(out.GetPolys().GetData()).reshape(-1, 4)[:, 1:])
+            vtk_to_numpy(out.GetPolys().GetConnectivityArray()).reshape(-1, 3))
+
+
+def bins(points, cells, most):
+    """The filter that leaves about so many triangles: two for each bin that the surface crosses."""
+    one, two, three = (points[cells[:, k]] for k in range(3))
+    area = 0.5 * np.linalg.norm(np.cross(two - one, three - one), axis=1).sum()
+    joined = vtkBinnedDecimation()
+    joined.SetNumberOfDivisions(*np.ceil(np.ptp(points, axis=0) / np.sqrt(2 * area / most)).astype(int).clip(1).tolist())
+    joined.AutoAdjustNumberOfDivisionsOff()
+    joined.SetPointGenerationModeToUseInputPoints()
+    return joined
 
 
 def walls(run):
@@ -97,9 +109,11 @@ class Shapes:
         places = np.clip((points - self.lower) / self.span, 0, 1) * STEPS
         return {"points": packed(np.rint(places), "<u2"), **more}
 
-    def mesh(self, points, cells):
+    def mesh(self, points, cells, normals=None):
+        """normals: at the points; None: those of the triangles around."""
         wide = len(points) > STEPS
-        return self.pack(points, cells=packed(cells, "<u4" if wide else "<u2"), wide=wide)
+        more = {} if normals is None else {"normals": packed(np.rint(SIDES * normals), "i1")}
+        return self.pack(points, cells=packed(cells, "<u4" if wide else "<u2"), wide=wide, **more)
 
     def discs(self, points, size):
         """size: diameters over the spacing."""
@@ -109,27 +123,27 @@ class Shapes:
 
 
 def liquid(run, state, most, coarser):
-    """Points, triangles (in two dimensions None), sizes and the values at the points: shares of the bodies, then
-    COLORS."""
+    """Points, triangles (in two dimensions None), sizes, normals, and the values at the points: shares of the bodies,
+    then COLORS. The normals are those of the volume fraction: few triangles have folds of their own."""
     bodies = len(run.bodies)
     table = np.hstack([views.value_table(state, color, bodies) for color in ("body", *COLORS)])
     if run.dim == 2:  # each so many-th particle, as large as those that it stands for
         every = -(-len(table) // most)
-        return state.points[::every], None, np.sqrt(every) * state.size[::every], table[::every]
+        return state.points[::every], None, np.sqrt(every) * state.size[::every], None, table[::every]
     fluid = views.Fluid(run, state.points, table, state.share, state.size, coarser)
     points, _, cells, lonely = fluid.mesh()
     balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
     cells = np.concatenate([cells, balls[2] + len(points)])
     points, cells = thin(np.concatenate([points, balls[0]]).astype(float), cells, most)
-    return points, cells, None, fluid.values(points)
+    return points, cells, None, fluid.normals(points), fluid.values(points)
 
 
 def coarseness(run, state, most):
     """Size of the surface's cells over those of a picture, so that few triangles must be removed."""
     if run.dim == 2:
         return 1
-    cells = views.Fluid(run, state.points, np.zeros((len(state.points), 1)), state.share, state.size).mesh()[2]
-    ratio = len(cells) / most
+    cells = views.Fluid(run, state.points, np.zeros((len(state.points), 1)), state.share, state.size, COARSEST).mesh()[2]
+    ratio = len(cells) * COARSEST ** (1 if run.rings else 2) / most
     return min(max(ratio if run.rings else np.sqrt(ratio), 1), COARSEST)
 
 
@@ -176,7 +190,7 @@ def scene(run, count, most):
     bodies, last, several = len(run.bodies), None, False
     paths = [path for _, path in run.moments(count=count)]
     coarser = coarseness(run, run.read(paths[0]), most)
-    for state, points, cells, size, table in together(functools.partial(moment, run, most, coarser), paths):
+    for state, points, cells, size, normals, table in together(functools.partial(moment, run, most, coarser), paths, "moments of the view"):
         several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
         if not len(points):
             continue
@@ -187,7 +201,7 @@ def scene(run, count, most):
                           shapes.mesh(places, corners))
         for k, name in enumerate(COLORS):
             seen[name].append(table[:, bodies + k])
-        shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells)
+        shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells, normals)
         shape.update(time=state.time, text=data.duration(state.time), solid=len(solids) - 1)
         if bodies > 1:
             shape["colors"] = packed(SHADES * views.base_colors(table[:, :bodies], "body", None, None), "u1")

@@ -110,6 +110,18 @@ class Fluid:
         amount = np.maximum(surface.sample(self.fraction, places), 1e-6)
         return np.stack([surface.sample(moment, places) / amount for moment in self.moment], axis=1)
 
+    def normals(self, points):
+        """[n][3]: outward normals at points of the surface, by differences of the volume fraction over a cell."""
+        way = np.eye(3)[self.axes] * self.cell
+        if len(self.axes) == 2:  # of rings: away from the axis, and along it
+            out = points * [1, 1, 0]
+            out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-30)
+            way = [self.cell * out, way[1]]
+        sides = [np.broadcast_to(one, points.shape) for one in way]
+        slope = sum((surface.sample(self.fraction, self.places(points - one))
+                     - surface.sample(self.fraction, self.places(points + one)))[:, None] * one for one in sides)
+        return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-30)
+
     def mesh(self):
         """Points, normals, triangles of the surface, and which particles are outside it."""
         points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell)

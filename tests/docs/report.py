@@ -38,12 +38,26 @@ def part(page, name):
     return json.loads(re.search(rf'id="{name}"[^>]*>(.*?)</script>', page, re.S)[1])
 
 
-def volume(page, number):
-    """The volume that a moment's surface holds, and its number of triangles."""
+def places(page, number):
+    """Points of a moment's surface, and its part of the page."""
     found = part(page, "states")
     state = found["states"][number]
     steps = np.frombuffer(base64.b64decode(state["points"]), "<u2").reshape(-1, 3)
-    x = np.array(found["lower"]) + steps * np.array(found["step"])
+    return np.array(found["lower"]) + steps * np.array(found["step"]), state
+
+
+def radial(page, number):
+    """How far the normals of a ball's surface point away from its centre: least and mean cosine."""
+    x, state = places(page, number)
+    normals = np.frombuffer(base64.b64decode(state["normals"]), "i1").reshape(-1, 3) / 127
+    away = x - x.mean(axis=0)
+    cosine = np.einsum("ni,ni->n", normals, away / np.linalg.norm(away, axis=1, keepdims=True))
+    return cosine.min(), cosine.mean()
+
+
+def volume(page, number):
+    """The volume that a moment's surface holds, and its number of triangles."""
+    x, state = places(page, number)
     cells = np.frombuffer(base64.b64decode(state["cells"]), "<u4" if state["wide"] else "<u2").reshape(-1, 3)
     return abs(np.einsum("ni,ni->n", x[cells[:, 0]], np.cross(x[cells[:, 1]], x[cells[:, 2]])).sum() / 6), len(cells)
 
@@ -63,7 +77,10 @@ runs.check("{{" not in page.split("<script")[0] and not re.search(r'(src|href)="
 inside, count = volume(page, 0)
 runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface")
 runs.check(500 < count <= 2000, "triangles are thinned", f"{count}")
-inside, _ = volume(report(runs.run(RINGS, "rings")), 0)
+rings = report(runs.run(RINGS, "rings"))
+for name, (least, mean) in (("", radial(page, 0)), (" of rings", radial(rings, 0))):
+    runs.check(least > 0.9 and 0.98 < mean < 1.01, f"normals of few triangles are those of a ball{name}", (least, mean))
+inside, _ = volume(rings, 0)
 runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface of rings")
 plane = report(runs.run(PLANE, "plane"))
 discs = part(plane, "states")
