@@ -182,10 +182,16 @@ int IsphSetUp(Isph run)
 
 /* --- steps --- */
 
+/* The columns are those of another state. */
+static void Stale(Isph run)
+{
+  run->values = NULL;
+}
+
 static PetscErrorCode Step(Isph run, double end)
 {
   PetscFunctionBeginUser;
-  run->values = NULL;
+  Stale(run);
   PetscCall(SimStep(run->sim, (PetscReal)end));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -296,6 +302,29 @@ const char *IsphFieldName(Isph run, int k)
   for (PetscInt f = 0; f < FIELDS; f++)
     if (NameOf(run, f) && k-- == 0) return NameOf(run, f);
   return NULL;
+}
+
+static PetscErrorCode Set(Isph run, FieldId field, const double values[], PetscBool *fine)
+{
+  PetscFunctionBeginUser;
+  Stale(run);
+  PetscCall(SimSetField(run->sim, field, values, fine));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int IsphSetField(Isph run, const char name[], const double values[])
+{
+  const FieldId field = strcmp(name, Fields[FIELD_POSITION].name) ? FIELD_VELOCITY : FIELD_POSITION;
+  int           code  = Check(run);
+  PetscBool     fine  = PETSC_TRUE;
+
+  if (code) return code;
+  if (strcmp(name, Fields[field].name)) return Refuse("'%s' cannot be set: only position and velocity can", name);
+  Enter(run);
+  code = Leave(run, Set(run, field, values, &fine));
+  if (!code && !fine)
+    return Refuse("a %s is no number%s", name, field == FIELD_POSITION ? ", or outside of the box" : "");
+  return code;
 }
 
 static PetscErrorCode Value(Isph run, PetscInt column, double *value)

@@ -76,6 +76,10 @@ typedef struct {
    line_capillary_number. IsphFieldName - name k of those that the run has; NULL: there are only k. Not collective. */
 ISPH_PUBLIC int         IsphField(Isph run, const char name[], IsphArray *array);
 ISPH_PUBLIC const char *IsphFieldName(Isph run, int k);
+/* IsphSetField - gives the liquid of this process other positions (m) or velocities (m/s) before the next step: name is
+   "position" or "velocity", values as in its array, [count][3]; rows of walls are not read. Energy that the liquid gets
+   so is in the column outside_work. Refuses what is no number and places outside of the box. Arrays of fields end. */
+ISPH_PUBLIC int IsphSetField(Isph run, const char name[], const double values[]);
 /* IsphColumn - a column of the series now, by its name in series.csv, with or without the unit ("kinetic_energy_J");
    gauges add columns. NAN: it has no value now. IsphColumnName, not collective - the name of column k with its unit;
    NULL: there are only k. */

@@ -66,16 +66,15 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t le
   for (PetscInt a = 0; a < arrays.n && !why[0]; a++) {
     const Body  solid = MovingSolid(scene, arrays.integer[INT_BODY][a]);
     PetscReal   x[DIM];
-    const char *other;
-    PetscBool   out = PETSC_FALSE;
+    const char *other, *face = NULL;
 
     if (!solid) continue;
     for (PetscInt d = 0; d < DIM; d++) x[d] = arrays.real[FIELD_POSITION][DIM * a + d];
     BodyMove(solid, from, to, x);
     for (PetscInt d = 0; d < domain->dim; d++)
-      out = (PetscBool)(out || x[d] < domain->lower[d] || x[d] > domain->upper[d]);
+      if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) face = FaceNames[d][x[d] > domain->upper[d]];
     other = Inside(scene, solid, domain->spacing, x);
-    if (out) PetscCall(PetscSNPrintf(why, length, "the solid %s moves out of the box", BodyName(solid)));
+    if (face) PetscCall(PetscSNPrintf(why, length, "the solid %s moves out of the box at %s", BodyName(solid), face));
     if (other) PetscCall(PetscSNPrintf(why, length, "the solid %s moves into the solid %s", BodyName(solid), other));
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));

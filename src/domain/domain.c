@@ -377,13 +377,18 @@ void DomainWallVelocity(Domain domain, const PetscReal x[DIM], PetscReal v[DIM])
   }
 }
 
-PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
+PetscInt DomainExit(Domain domain, const PetscReal x[DIM])
 {
   for (PetscInt d = 0; d < domain->dim; d++) {
-    if (domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d]) return PETSC_TRUE;
-    if (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d]) return PETSC_TRUE;
+    if (domain->face[d][0] == FACE_OPEN && x[d] < domain->lower[d]) return 2 * d;
+    if (domain->face[d][1] == FACE_OPEN && x[d] > domain->upper[d]) return 2 * d + 1;
   }
-  return PETSC_FALSE;
+  return -1;
+}
+
+PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
+{
+  return (PetscBool)(DomainExit(domain, x) >= 0);
 }
 
 const char *DomainUnit(Domain domain, const char unit[])

@@ -443,7 +443,7 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy)
 {
   ParticleArrays arrays;
   PetscBool     *keep;
-  PetscInt       local = 0, global;
+  PetscInt       left[2 * DIM] = {0}, global = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(cloud->n_owned, &keep));
@@ -452,12 +452,18 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy)
     if (arrays.real[f]) PetscCall(PetscArraycpy(arrays.real[f], cloud->field[f], arrays.n * Fields[f].width));
   for (PetscInt f = 0; f < INT_COUNT; f++) PetscCall(PetscArraycpy(arrays.integer[f], cloud->integer[f], arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    keep[a] = (PetscBool)(cloud->integer[INT_LAYER][a] > 0 ||
-                          !DomainOutside(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a));
-    local += !keep[a];
+    const PetscInt exit =
+      cloud->integer[INT_LAYER][a] > 0 ? -1 : DomainExit(cloud->domain, arrays.real[FIELD_POSITION] + DIM * a);
+
+    keep[a] = (PetscBool)(exit < 0);
+    if (exit >= 0) left[exit]++;
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(&local, &global, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, left, 2 * DIM, MPIU_INT, MPI_SUM, cloud->comm));
+  for (PetscInt f = 0; f < 2 * DIM; f++) {
+    cloud->exits[f] += left[f];
+    global += left[f];
+  }
   if (global) {
     if (energy) PetscCall(AddEnergyLost(cloud, keep, energy));
     PetscCall(ParticlesRemove(cloud->particles, keep));

@@ -76,6 +76,7 @@ typedef struct _p_Cloud {
   PetscReal  slack;               /* m, twice the distance that particles may move before the halo is rebuilt */
   PetscReal  reach;               /* m, largest kernel support in use, at size 1 */
   PetscReal *reference;           /* [n_owned][3] positions when the halo was built, m */
+  PetscInt   exits[2 * DIM];      /* particles on all ranks that left by each open face since the program's start */
   PetscReal  distance_outside;    /* m, largest distance of particles from their rank's cells when the halo was built */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
   PetscInt   layout;               /* counts changes of the local order: a preconditioner is valid for one layout */

@@ -402,8 +402,9 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
 }
 
 static const OptionRow options[] = {
-  {"-packing_jitter", "Largest random displacement from the lattice, of each component", "spacings", "[0, 0.5)",
-   ROW_REAL, offsetof(LatticeData, jitter)},
+  {"-packing_jitter",
+   "Largest random displacement from the lattice, of each component; half of it within a spacing of a surface",
+   "spacings", "[0, 0.5)", ROW_REAL, offsetof(LatticeData, jitter)},
   {.name = NULL},
 };
 

@@ -459,6 +459,20 @@ class Simulation:
         values.flags.writeable = False
         return values[:, 0] if array.components == 1 else values
 
+    def set(self, name, values):
+        """Gives the liquid other positions (m) or velocities (m/s), [n][3] in the order of the field, before the next
+        step; 'now.velocity = values' is the same. Rows of walls are not read. Arrays of fields end."""
+        values = np.ascontiguousarray(values, float)
+        if values.shape != self.position.shape:
+            raise Error(f"{name} has the shape {self.position.shape}, not {values.shape}")
+        self._call("IsphSetField", self._run, name.encode(), values.ctypes.data_as(ctypes.c_void_p))
+
+    def __setattr__(self, name, value):
+        if name in self.__dict__.get("fields", ()):
+            self.set(name, value)
+        else:
+            super().__setattr__(name, value)
+
     def unit(self, name):
         """The unit of a field."""
         array = Array()

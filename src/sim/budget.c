@@ -29,6 +29,19 @@ PetscErrorCode BudgetStart(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode BudgetChanged(Sim sim, const GaugeTotals *before)
+{
+  GaugeTotals totals;
+
+  PetscFunctionBegin;
+  PetscCall(StepperMeasure(sim->stepper, &sim->state));
+  PetscCall(GaugesTotals(sim->gauges, &totals));
+  sim->state.given_energy += (Energy(&totals) - Energy(before)) / totals.multiplicity;
+  sim->state.kinetic_energy = totals.kinetic_energy;
+  sim->state.kinetic_most   = PetscMax(sim->state.kinetic_most, totals.kinetic_energy);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The energy (J) that lifted the liquid from the lowest corner of the box. An error of the volume changes the measured
    energy by the same fraction of it. */
 static PetscReal Lift(Sim sim, const GaugeTotals *totals)

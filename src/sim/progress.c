@@ -81,13 +81,28 @@ static PetscErrorCode SayBound(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The open faces by which liquid left since the program's start, " (xmax 12, ymin 3)"; "": by none. */
+static void Exits(Cloud cloud, char text[], size_t size)
+{
+  char one[32];
+
+  text[0] = 0;
+  for (PetscInt f = 0; f < 2 * DIM; f++)
+    if (cloud->exits[f] > 0) {
+      (void)PetscSNPrintf(one, sizeof(one), "%s%s %" PetscInt_FMT, text[0] ? ", " : " (", FaceNames[f / 2][f % 2],
+                          cloud->exits[f]);
+      TextAppend(text, size, one);
+    }
+  if (text[0]) TextAppend(text, size, ")");
+}
+
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 {
   const StepState *state   = &sim->state;
   const PetscInt   steps   = state->step - progress->start_step;
   const double     seconds = ProgramSeconds() - progress->started;
   PetscBool        due;
-  char             text[64], now[TIME_LENGTH];
+  char             text[64], now[TIME_LENGTH], by[128];
 
   PetscFunctionBegin;
   progress->iterations += state->iterations;
@@ -104,12 +119,13 @@ PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last)
 
     PetscCall(ParticlesGlobalSize(sim->particles, &n));
     PetscCall(FormatDuration(seconds, text, sizeof(text)));
+    Exits(sim->cloud, by, sizeof(by));
     PetscCall(PetscPrintf(sim->comm,
                           "%" PetscInt_FMT " steps of %" PetscInt_FMT
                           " particles in %s: %.4g s and %.3g iterations a step, %" PetscInt_FMT
-                          " steps rolled back, %" PetscInt_FMT " particles left through open faces\n",
+                          " steps rolled back, %" PetscInt_FMT " particles left through open faces%s\n",
                           steps, n, text, seconds / PetscMax(1, steps),
-                          (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost));
+                          (double)progress->iterations / PetscMax(1, steps), state->rejected, state->lost, by));
     PetscCall(SayBound(sim));
     PetscCall(BudgetReport(sim));
   }

@@ -348,6 +348,45 @@ PetscErrorCode SimCheckpoint(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a particle may have this position (m), or this velocity (m/s). */
+static PetscBool MayBe(Domain domain, FieldId field, const double value[])
+{
+  PetscReal x[DIM] = {0};
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    x[d] = (PetscReal)value[d];
+    if (PetscIsInfOrNanReal(x[d])) return PETSC_FALSE;
+  }
+  if (field != FIELD_POSITION) return PETSC_TRUE;
+  DomainWrap(domain, x);
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+PetscErrorCode SimSetField(Sim sim, FieldId field, const double values[], PetscBool *fine)
+{
+  GaugeTotals    before;
+  ParticleArrays arrays;
+  PetscMPIInt    good = 1;
+
+  PetscFunctionBegin;
+  PetscCall(GaugesTotals(sim->gauges, &before));
+  PetscCall(ParticlesOpen(sim->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    good = good && (arrays.integer[INT_LAYER][a] > 0 || MayBe(sim->domain, field, values + DIM * a));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, sim->comm));
+  for (PetscInt a = 0; a < arrays.n && good; a++)
+    for (PetscInt d = 0; d < sim->domain->dim && !arrays.integer[INT_LAYER][a]; d++)
+      arrays.real[field][DIM * a + d] = (PetscReal)values[DIM * a + d];
+  PetscCall(ParticlesClose(sim->particles, &arrays));
+  *fine = (PetscBool)(good != 0);
+  if (!good) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudResync(sim->cloud));
+  PetscCall(BudgetChanged(sim, &before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode WriteOutput(Sim sim, PetscBool last)
 {
   PetscFunctionBegin;

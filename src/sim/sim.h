@@ -31,6 +31,10 @@ PetscErrorCode SimFinish(Sim sim);
 void           SimSetEnd(Sim sim, PetscReal end);
 /* SimCheckpoint - writes a checkpoint of the state. Collective. */
 PetscErrorCode SimCheckpoint(Sim sim);
+/* SimSetField - positions (m) or velocities (m/s) of this rank's particles, [n][DIM]; rows of particles of walls are
+   not read. The energy that the liquid gets so counts as brought. *fine: all are numbers, and no place is outside of
+   the box; else nothing changes. Collective. */
+PetscErrorCode SimSetField(Sim sim, FieldId field, const double values[], PetscBool *fine);
 /* SimScene - scene.json as a text on rank 0, NULL elsewhere; to be freed with free. particles: SimSetUp has been
    called. Collective. */
 PetscErrorCode SimScene(Sim sim, PetscBool particles, char **text);

@@ -70,6 +70,9 @@ const char *TimeText(Sim sim, PetscReal time, char text[TIME_LENGTH]);
 PetscErrorCode ProgressStep(Sim sim, Progress *progress, PetscBool last);
 /* BudgetStart - writes energy and density at the start of a run into the state. Collective. */
 PetscErrorCode BudgetStart(Sim sim);
+/* BudgetChanged - counts the energy of a state that another program has changed; before: the totals until then.
+   Collective. */
+PetscErrorCode BudgetChanged(Sim sim, const GaugeTotals *before);
 /* BudgetReport - prints density error, divergence, energy residual and volume of the present state against the start,
    and the dominant error. Collective. */
 PetscErrorCode BudgetReport(Sim sim);

@@ -39,6 +39,7 @@ const NumberRow StateRows[] = {
   ENERGY(solid_work, ENERGY_GIVEN, "the pressure of solids that move"),
   ENERGY(shaking_work, ENERGY_GIVEN, "shaking"),
   ENERGY(outflow_energy, ENERGY_TAKEN, "what left through open faces"),
+  ENERGY(given_energy, ENERGY_BROUGHT, "the program that changed the liquid"),
   {.name = NULL},
 };
 

@@ -23,6 +23,7 @@ typedef struct {
   PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
   PetscReal shaking_work;       /* done by the oscillating part of gravity so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
+  PetscReal given_energy;       /* kinetic + potential that a program of isph.h gave the liquid so far, J */
   PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */
   PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
@@ -125,7 +126,7 @@ const Viscosity *StepperViscosity(Stepper stepper);
    field changes. Collective. */
 PetscErrorCode StepperRefresh(Stepper stepper);
 /* StepperMeasure - measures density_error, density_mean and surface_energy of the swarm's particles at the start of a
-   run; also stores their viscosity if it varies. Collective. */
+   run or after they were changed from outside; also stores their viscosity if it varies. Collective. */
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state);
 /* StepperRepairsAtOnce - whether each step corrects all density errors. Then the first step turns those of the packing
    into velocities. Not collective. */

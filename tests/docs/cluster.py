@@ -5,6 +5,7 @@ And the recipe of the container copies what is needed."""
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -140,6 +141,33 @@ for path in runs.numbered(folder, "checkpoint"):
 code, out, err, words, put = submit("slurm", folder, more=("-time_end", "0.05"))
 runs.check(code == 0 and len(runs.numbered(folder, "checkpoint")) == 1, "starts_afresh_without_checkpoint",
            f"code {code}, {out[-300:]}, {err}")
+
+
+def signalled(number, more):
+    """A job whose program gets a signal in the middle of its steps, as Slurm sends it: (code, how it was queued again,
+    newest checkpoint)."""
+    before = runs.numbered(folder, "snapshot") if os.path.isdir(folder) else []
+    environment = dict(runs.environment(), PATH=here + os.pathsep + os.environ["PATH"], QUEUED=queued,
+                       SLURM_JOB_ID="7", SLURM_JOB_END_TIME=str(int(time.time()) + SECONDS))
+    process = subprocess.Popen(["bash", JOB, scene, folder, *more], cwd=here, env=environment, text=True,
+                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and len(runs.numbered(folder, "snapshot") if os.path.isdir(folder) else []) < \
+            len(before) + 2:
+        time.sleep(0.05)
+    found = subprocess.run(["pgrep", "-P", str(process.pid), "isph"], stdout=subprocess.PIPE, text=True, check=False)
+    for pid in found.stdout.split():
+        os.kill(int(pid), number)
+    return process.wait(120), lines(queued), runs.numbered(folder, "checkpoint")[-1:]
+
+
+# the signals of the queue: each ends a job with a checkpoint, from which the next one goes on
+folder, last = os.path.join(here, "output", "signalled"), 0
+for number in (signal.SIGUSR1, signal.SIGTERM):
+    code, put, newest = signalled(number, ("-time_end", "1000", "-snapshot_interval", "0.01"))
+    at = runs.head(newest[0])["time"] if newest else 0
+    runs.check(code == 0 and put == AGAIN["slurm"] and at > last, f"{number.name}_of_the_queue",
+               f"code {code}, {put}, {newest}, {at} after {last}")
+    last = at
 
 # the container: what is copied, and that the program can be made and installed from it
 with open(os.path.join(runs.ROOT, "options", "cluster", "Containerfile"), encoding="utf-8") as recipe_file:

@@ -172,6 +172,53 @@ static PetscBool Exists(const char path[])
   return (PetscBool)!stat(path, &info);
 }
 
+/* What another program gives the liquid is what the next step starts from, and the budget knows it. */
+static void Given(void)
+{
+  Isph      run = Ready("-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,2 -bodies pool -pool_lower 0.5,0.5 "
+                             "-pool_upper 1,1 -pool_tension 0 -packing_jitter 0 -solids part -part_lower 1.5,1.5 "
+                             "-part_upper 1.8,1.8 -time_step 1e-3",
+                        "a_block_in_flight");
+  IsphArray x, layer, v;
+  double   *values, kinetic = 0, work = 0, before = 0, after = 0, sum = 0, own = 0;
+
+  CHECK(IsphStep(run, INFINITY) == 0 && !IsphField(run, "velocity", &v) && !IsphField(run, "layer", &layer), "at_rest");
+  values = (double *)calloc(3 * 1000, sizeof(double));
+  for (long k = 0; k < v.count; k++) {
+    values[3 * k]     = ((const PetscInt *)layer.data)[k] > 0 ? NAN : 2; /* rows of solids are not read */
+    values[3 * k + 1] = 1;
+  }
+  CHECK(!IsphColumn(run, "kinetic_energy", &own) && !IsphColumn(run, "highest", &before),
+        "before"); /* the packing spreads */
+  CHECK(!IsphSetField(run, "velocity", values), "velocities_are_given");
+  CHECK(!IsphColumn(run, "kinetic_energy", &kinetic) && !IsphColumn(run, "outside_work", &work),
+        "energy_that_is_given");
+  CHECK_CLOSE(kinetic, 0.5 * 1000 * 0.25 * 5, 1e-9 * kinetic, "kinetic_energy_that_is_given");
+  CHECK_CLOSE(work, kinetic - own, 1e-9 * kinetic, "work_from_outside");
+  for (int step = 0; step < 10; step++) CHECK(IsphStep(run, INFINITY) == 0, "a_step_on");
+  CHECK(!IsphColumn(run, "highest", &after) && !IsphField(run, "velocity", &v) && !IsphField(run, "layer", &layer),
+        "on");
+  CHECK_CLOSE(after - before, 0.01, 0.004, "the_block_flies");
+  for (long k = 0; k < v.count; k++)
+    if (((const PetscInt *)layer.data)[k] == 0) sum += ((const double *)v.data)[3 * k];
+  CHECK_CLOSE(Sum(sum), 2 * 25, 1e-6, "velocity_of_the_block");
+  CHECK(!IsphField(run, "position", &x) && !IsphField(run, "layer", &layer), "positions");
+  for (long k = 0; k < 3 * x.count; k++) values[k] = ((const double *)x.data)[k] + 0.3; /* to other ranks */
+  CHECK(!IsphSetField(run, "position", values) && !IsphColumn(run, "highest", &sum), "positions_are_given");
+  CHECK_CLOSE(sum - after, 0.3, 1e-9, "the_block_is_moved");
+  CHECK(IsphStep(run, INFINITY) == 0 && !IsphField(run, "position", &x), "a_step_from_there");
+  CHECK(!IsphColumn(run, "kinetic_energy", &kinetic), "energy_then");
+  for (long k = 0; k < 3 * x.count; k++) values[k] = ((const double *)x.data)[k] + 1;
+  CHECK(IsphSetField(run, "position", values) && strstr(IsphError(), "outside of the box"), "refuse_places_outside");
+  for (long k = 0; k < 3 * x.count; k++) values[k] = NAN;
+  CHECK(IsphSetField(run, "velocity", values) && strstr(IsphError(), "no number"), "refuse_no_number");
+  CHECK(IsphSetField(run, "pressure", values) && strstr(IsphError(), "cannot be set"), "refuse_a_pressure");
+  CHECK(!IsphColumn(run, "kinetic_energy", &work), "a_refusal_ends_no_run");
+  CHECK_CLOSE(work, kinetic, 0, "a_refusal_changes_nothing");
+  free(values);
+  CHECK(IsphDestroy(&run) == 0, "destroy_the_block");
+}
+
 /* A run has nothing of the one before, and the folder changes nothing. */
 static void Again(void)
 {
@@ -206,6 +253,7 @@ int main(int argc, char **argv)
   Mistakes();
   CHECK(print == PetscVFPrintf, "printer_of_the_program");
   Fields();
+  Given();
   Steps();
   Again();
   CHECK(!strcmp(IsphVersion(), ISPH_VERSION), "version");
