@@ -19,7 +19,7 @@ from display import together
 
 STEPS, SHADES = 65535, 255  # of a 16-bit coordinate, of an 8-bit value
 COARSEST = 2  # largest cells of the surface over those of a picture
-BINNED = 2.5  # times the triangles wanted: so many are left by bins, in which corners join; the others go by their error
+BINNED = 2.5  # times the triangles wanted: so many are left by bins, whose corners join; others go by their error
 SIDES = 127  # steps of a component of a normal, to either side
 MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
 STRIP = 0.015  # thickness of walls in two dimensions over the box
@@ -58,7 +58,8 @@ def bins(points, cells, most):
     one, two, three = (points[cells[:, k]] for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(two - one, three - one), axis=1).sum()
     joined = vtkBinnedDecimation()
-    joined.SetNumberOfDivisions(*np.ceil(np.ptp(points, axis=0) / np.sqrt(2 * area / most)).astype(int).clip(1).tolist())
+    count = np.ceil(np.ptp(points, axis=0) / np.sqrt(2 * area / most)).astype(int).clip(1)
+    joined.SetNumberOfDivisions(*count.tolist())
     joined.AutoAdjustNumberOfDivisionsOff()
     joined.SetPointGenerationModeToUseInputPoints()
     return joined
@@ -142,7 +143,8 @@ def coarseness(run, state, most):
     """Size of the surface's cells over those of a picture, so that few triangles must be removed."""
     if run.dim == 2:
         return 1
-    cells = views.Fluid(run, state.points, np.zeros((len(state.points), 1)), state.share, state.size, COARSEST).mesh()[2]
+    nothing = np.zeros((len(state.points), 0))
+    cells = views.Fluid(run, state.points, nothing, state.share, state.size, COARSEST).mesh()[2]
     ratio = len(cells) * COARSEST ** (1 if run.rings else 2) / most
     return min(max(ratio if run.rings else np.sqrt(ratio), 1), COARSEST)
 
@@ -190,7 +192,8 @@ def scene(run, count, most):
     bodies, last, several = len(run.bodies), None, False
     paths = [path for _, path in run.moments(count=count)]
     coarser = coarseness(run, run.read(paths[0]), most)
-    for state, points, cells, size, normals, table in together(functools.partial(moment, run, most, coarser), paths, "moments of the view"):
+    states = together(functools.partial(moment, run, most, coarser), paths, "moments of the view")
+    for state, points, cells, size, normals, table in states:
         several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
         if not len(points):
             continue

@@ -140,7 +140,8 @@ def scenes():
     PLANE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1 -box_ymin wall -gravity 0,-9.81 -bodies film
      -film_upper 2,0.2 -steps_max 200 -progress_interval 0 -solids part,post -part_lower 0.5,0.4 -part_upper 0.7,0.6
      -post_lower 1.2,0 -post_upper 1.4,0.8 """
-    for name, options, words in (("leaves_the_box", "-part_velocity 0,10", ["the solid part moves out of the box at ymax"]),
+    for name, options, words in (("leaves_the_box", "-part_velocity 0,10",
+                                 ["the solid part moves out of the box at ymax"]),
                                  ("runs_into_another", "-part_velocity 10,0",
                                  ["the solid part moves into the solid post"])):
         process = runs.start(PLANE + options + f" -output_dir {runs.scratch('solid_' + name)}")
