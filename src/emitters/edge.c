@@ -3,17 +3,24 @@
    emitter along, and tear. A row is held until its particles have left as a whole, when the next emission comes. If it
    were free as soon as their centres have left, a sheet of honey would fall freely in between: 6 % of the time with
    emissions of 8 rows. */
-#include "emitters.h"
+#include "emitters_impl.h"
+
+#define NAME "emitters"
 
 static const NumberRow rows[] = {
   {"inflow_energy", NUMBER_REAL, 0, ENERGY_BROUGHT, "emitters"},
   {.name = NULL},
 };
 
+static Emissions *Of(Stepper stepper)
+{
+  return (Emissions *)StepEdgeData(stepper, NAME);
+}
+
 static PetscErrorCode Destroy(Stepper stepper)
 {
   PetscFunctionBegin;
-  PetscCall(EmissionsDestroy(EmittersOf(stepper)));
+  PetscCall(EmissionsDestroy(Of(stepper)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -33,10 +40,34 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
     PetscReal        v[DIM], radius = 0.5 * cloud->size[a] * cloud->domain->spacing;
 
     if (!BodyComesLater(body)) continue;
-    BodyEmissionVelocity(body, StepperTime(stepper), x, v);
+    BodyFillingVelocity(body, StepperTime(stepper), x, v);
     if (BodyHolds(body, x, radius + dt * Norm(v))) PetscCall(ViscousHold(stepper, a, v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Brings energy, too: the work that keeps liquid inside emitters moving is a part of it. */
+static PetscErrorCode Bring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
+{
+  GaugeTotals before, after;
+  PetscInt    emitted;
+
+  PetscFunctionBegin;
+  if (gauges) PetscCall(GaugesTotals(gauges, &before));
+  PetscCall(EmissionsAdd(Of(stepper), StepperCloud(stepper), packing, state->time, resumed, &emitted));
+  if (!gauges) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GaugesTotals(gauges, &after));
+  *(PetscReal *)StepperNumbers(stepper, state, NAME) +=
+    after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal Filling(Stepper stepper, PetscInt body, PetscInt *particles)
+{
+  const Emission *emission = &Of(stepper)->of[body];
+
+  if (particles) *particles = emission->n;
+  return EmissionVolume(emission, StepperCloud(stepper)->domain);
 }
 
 #define EMITTERS "-<body>_type emitter"
@@ -49,7 +80,7 @@ static PetscBool Emits(Scene scene, Tension tension)
 static const Feature features[] = {{EMITTERS, Emits}, {.name = NULL}};
 static const Refusal refusals[] = {{FEATURE_POISSON, NOT_WITH, EMITTERS, "; use -packing_type lattice"}, {.one = NULL}};
 
-const Edge EmitterEdge = {.name        = EMITTERS_EDGE,
+const Edge EmitterEdge = {.name        = NAME,
                           .features    = features,
                           .refusals    = refusals,
                           .data_size   = sizeof(Emissions),
@@ -58,4 +89,6 @@ const Edge EmitterEdge = {.name        = EMITTERS_EDGE,
                           .destroy     = Destroy,
                           .on          = On,
                           .drives      = On,
-                          .hold        = Hold};
+                          .hold        = Hold,
+                          .bring       = Bring,
+                          .filling     = Filling};

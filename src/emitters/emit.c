@@ -1,5 +1,5 @@
 /* Emitters: liquid that comes into the box during the run. */
-#include "emitters.h"
+#include "emitters_impl.h"
 
 /* A visitor's context: collects the points of an emitter. */
 typedef struct {
@@ -57,14 +57,14 @@ static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *co
 
   PetscFunctionBegin;
   OwnShare(portion->comm, portion->emission->n, &first, &last);
-  BodyEmissionShift(portion->body, portion->k, portion->time, shift);
+  EmissionShift(portion->body, portion->k, portion->time, shift);
   for (PetscInt p = first; p < last; p++) {
     Sample sample = {.density = BodyMaterial(portion->body)->density,
                      .body    = portion->b,
                      .area    = portion->emission->area};
 
     for (PetscInt d = 0; d < DIM; d++) sample.x[d] = portion->emission->x[DIM * p + d] + shift[d];
-    BodyEmissionVelocity(portion->body, portion->time, sample.x, sample.v);
+    BodyFillingVelocity(portion->body, portion->time, sample.x, sample.v);
     sample.id = sample.parent = p;
     PetscCall(visitor(context, &sample));
   }
@@ -85,7 +85,7 @@ static PetscErrorCode SetVelocities(Cloud cloud, PetscReal time)
     const PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a, row = 0.5 * cloud->domain->spacing;
 
     if (b >= 0 && BodyHolds(SceneBody(scene, b), x, row))
-      BodyEmissionVelocity(SceneBody(scene, b), time, x, arrays.real[FIELD_VELOCITY] + DIM * a);
+      BodyFillingVelocity(SceneBody(scene, b), time, x, arrays.real[FIELD_VELOCITY] + DIM * a);
   }
   PetscCall(ParticlesClose(cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,7 +112,7 @@ PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, 
     PetscInt  wanted, count;
 
     if (!BodyComesLater(portion.body)) continue;
-    wanted = BodyEmissions(portion.body, time);
+    wanted = BodyFillings(portion.body, time);
     for (; emission->done < wanted; emission->done++) {
       if (resumed) continue;
       PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), cloud->comm,
@@ -130,20 +130,9 @@ PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal EmissionsCount(const Emissions *emissions, Scene scene, PetscReal time)
+PetscReal EmissionVolume(const Emission *emission, Domain domain)
 {
-  PetscReal count = 0;
-
-  for (PetscInt b = 0; b < SceneCount(scene); b++)
-    if (BodyComesLater(SceneBody(scene, b)))
-      count += (PetscReal)emissions->of[b].n * BodyEmissions(SceneBody(scene, b), time);
-  return count;
-}
-
-PetscReal EmissionsVolume(const Emissions *emissions, Domain domain, PetscInt body)
-{
-  const Emission *emission = &emissions->of[body];
-  PetscReal       volume   = 0;
+  PetscReal volume = 0;
 
   for (PetscInt p = 0; p < emission->n; p++)
     volume += emission->area * domain->volume * DomainRingLength(domain, emission->x + DIM * p, 1);
@@ -154,25 +143,5 @@ PetscErrorCode EmissionsDestroy(Emissions *emissions)
 {
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) PetscCall(PetscFree(emissions->of[b].x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-Emissions *EmittersOf(Stepper stepper)
-{
-  return (Emissions *)StepEdgeData(stepper, EMITTERS_EDGE);
-}
-
-PetscErrorCode EmittersBring(Stepper stepper, Packing packing, Gauges gauges, StepState *state)
-{
-  GaugeTotals before, after;
-  PetscInt    emitted;
-
-  PetscFunctionBegin;
-  if (!SceneComesLater(StepperCloud(stepper)->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(GaugesTotals(gauges, &before));
-  PetscCall(EmissionsAdd(EmittersOf(stepper), StepperCloud(stepper), packing, state->time, PETSC_FALSE, &emitted));
-  PetscCall(GaugesTotals(gauges, &after));
-  *(PetscReal *)StepperNumbers(stepper, state, EMITTERS_EDGE) +=
-    after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /* Emitters: bodies that add liquid at intervals. */
 #include "../scene/body.h"
-#include "emitters.h"
+#include "emitters_impl.h"
 
 #define FILLINGS_BEFORE    1000 /* largest number of fillings before the time 0 */
 #define FILLINGS_LOOKED_AT 2    /* in FillingMoments */
@@ -92,7 +92,7 @@ static void FillingMoments(Body body, Moments *moments)
   MomentPeriod(moments, e->modulation > 0 ? e->frequency : 0, e->start);
 }
 
-PetscInt BodyEmissions(Body body, PetscReal time)
+static PetscInt Fillings(Body body, PetscReal time)
 {
   const Emitter *e = (const Emitter *)body->type_data;
   PetscInt       n;
@@ -102,14 +102,14 @@ PetscInt BodyEmissions(Body body, PetscReal time)
   return e->count > 0 ? PetscMin(n, e->count) : n;
 }
 
-void BodyEmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
+void EmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
 {
   const Emitter *e = (const Emitter *)body->type_data;
 
   for (PetscInt d = 0; d < DIM; d++) shift[d] = (TravelTime(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
 }
 
-void BodyEmissionVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+static void Velocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Emitter  *e     = (const Emitter *)body->type_data;
   const PetscReal speed = 1 + e->modulation * PetscSinReal(e->w * (time - e->start));
@@ -139,6 +139,8 @@ static PetscBool Holds(Body body, const PetscReal x[DIM], PetscReal behind)
 }
 
 const BodyTypeOps BodyTypeEmitter = {{"emitter", sizeof(Emitter), options, EmitterDefaults, EmitterSetUp},
-                                     .later   = PETSC_TRUE,
-                                     .holds   = Holds,
-                                     .moments = FillingMoments};
+                                     .later    = PETSC_TRUE,
+                                     .holds    = Holds,
+                                     .moments  = FillingMoments,
+                                     .fillings = Fillings,
+                                     .velocity = Velocity};

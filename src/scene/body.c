@@ -149,6 +149,16 @@ PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind)
   return (PetscBool)(body->kind->holds && body->kind->holds(body, x, behind));
 }
 
+PetscInt BodyFillings(Body body, PetscReal time)
+{
+  return body->kind->fillings(body, time);
+}
+
+void BodyFillingVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  body->kind->velocity(body, time, x, v);
+}
+
 PetscBool BodyMoves(Body solid)
 {
   return (PetscBool)(solid->motion != NULL);

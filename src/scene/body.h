@@ -58,6 +58,8 @@ typedef struct {
   PetscBool later;                                                         /* see BodyComesLater */
   PetscBool (*holds)(Body body, const PetscReal x[DIM], PetscReal behind); /* see BodyHolds */
   void (*moments)(Body body, Moments *moments);                            /* adds those of the body */
+  PetscInt (*fillings)(Body body, PetscReal time);                         /* see BodyFillings, BodyFillingVelocity */
+  void (*velocity)(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
 } BodyTypeOps;
 
 /* How solids move (bodies/). All are called for solids alone, those behind 'destroy' for one that moves. */

@@ -177,6 +177,10 @@ void BodyVelocity(Body body, const PetscReal x[DIM], PetscReal v[DIM]);
    to 'behind' (m) downstream of it. BodyComesLater - whether the body has no liquid at the start, since its type brings
    it during the run. SceneComesLater - whether any body has none. */
 PetscBool BodyHolds(Body body, const PetscReal x[DIM], PetscReal behind);
+/* Of a body that comes later: BodyFillings - the number of its fillings up to and at a time (s). BodyFillingVelocity -
+   the velocity v (m/s) of its liquid at x (m). */
+PetscInt  BodyFillings(Body body, PetscReal time);
+void      BodyFillingVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
 PetscBool BodyComesLater(Body body);
 PetscBool SceneComesLater(Scene scene);
 /* SceneSetTime - sets the time (s) of oscillating gravity. */

@@ -45,10 +45,9 @@ static PetscErrorCode PrintBodies(Sim sim)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)bodies, MPIU_INT, MPI_SUM, sim->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volumes, (PetscMPIInt)bodies, MPIU_REAL, MPI_SUM, sim->comm));
   for (PetscInt b = 0; b < bodies; b++) {
-    const Body      body = SceneBody(sim->scene, b);
-    const PetscReal volume =
-                      BodyComesLater(body) ? EmissionsVolume(EmittersOf(sim->stepper), sim->domain, b) : volumes[b],
-                    shape = ShapeVolume(sim, body);
+    const Body      body   = SceneBody(sim->scene, b);
+    const PetscReal volume = BodyComesLater(body) ? StepperFilling(sim->stepper, b, NULL) : volumes[b],
+                    shape  = ShapeVolume(sim, body);
 
     PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %s%.4g %s", BodyName(body), count[b],
                           BodyComesLater(body) ? "a filling of " : "", (double)volume, DomainUnit(sim->domain, "m3")));

@@ -61,7 +61,7 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times)
     PetscCall(PetscTime(&start));
     PetscCall(StepperAdvance(sim->stepper, sim->time_end, PETSC_FALSE, &sim->state, &failed, why, sizeof(why)));
     PetscCheckUser(!failed, sim->comm, "the first steps of the scene fail: %s", why);
-    PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
+    PetscCall(StepperBring(sim->stepper, sim->packing, sim->gauges, PETSC_FALSE, &sim->state));
     PetscCall(PetscTime(&now));
     took = (PetscReal)(now - start);
     PetscCallMPI(MPI_Bcast(&took, 1, MPIU_REAL, 0, sim->comm));
@@ -100,11 +100,18 @@ static PetscReal StepTime(const StepTimes *t, PetscReal n)
 /* The mean number of liquid particles in the run, if all that emitters bring stays. now: their number at the start. */
 static PetscReal MeanParticles(Sim sim, PetscInt now)
 {
-  const PetscReal end = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
+  const PetscReal end     = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
+  PetscReal       brought = 0;
 
-  if (!SceneComesLater(sim->scene)) return now;
-  return now + 0.5 * (EmissionsCount(EmittersOf(sim->stepper), sim->scene, end) -
-                      EmissionsCount(EmittersOf(sim->stepper), sim->scene, sim->state.time));
+  for (PetscInt b = 0; b < SceneCount(sim->scene); b++) {
+    const Body body = SceneBody(sim->scene, b);
+    PetscInt   n;
+
+    if (!BodyComesLater(body)) continue;
+    (void)StepperFilling(sim->stepper, b, &n);
+    brought += (PetscReal)n * (BodyFillings(body, end) - BodyFillings(body, sim->state.time));
+  }
+  return now + 0.5 * brought;
 }
 
 /* A span of simulated time (s), and the steps of the run in it. */
@@ -190,7 +197,7 @@ static PetscErrorCode RehearseSteps(Sim coarse, PetscReal coarser, PetscInt n, P
     PetscCall(
       StepperAdvance(coarse->stepper, coarse->time_end, PETSC_FALSE, &coarse->state, &failed, why, sizeof(why)));
     if (failed) break;
-    PetscCall(EmittersBring(coarse->stepper, coarse->packing, coarse->gauges, &coarse->state));
+    PetscCall(StepperBring(coarse->stepper, coarse->packing, coarse->gauges, PETSC_FALSE, &coarse->state));
     PetscCall(CountLiquid(coarse, &now));
     PetscCall(PetscTime(&end));
     took = (PetscReal)(end - start);

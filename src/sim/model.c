@@ -86,10 +86,10 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
                                .density = BodyMaterial(body)->density,
                                .tension = BodyMaterial(body)->tension,
                                .liquid  = (PetscReal)SceneLiquid(scene, b),
-                               .emits   = BodyComesLater(body) ? 1 + (PetscReal)BodyEmissions(body, time) : 0};
+                               .emits   = BodyComesLater(body) ? 1 + (PetscReal)BodyFillings(body, time) : 0};
       for (PetscInt r = 0; r < RATES; r++) place->matter.viscosity[r] = BodyViscosity(body, rates[r]);
       if (BodyComesLater(body))
-        BodyEmissionVelocity(body, time, x, place->velocity);
+        BodyFillingVelocity(body, time, x, place->velocity);
       else
         BodyVelocity(body, image, place->velocity);
     }

@@ -229,7 +229,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 PetscErrorCode SimSetUp(Sim sim)
 {
   const PetscBool restarting = (PetscBool)(sim->restart[0] != 0);
-  PetscInt        emitted, particles;
+  PetscInt        particles;
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
@@ -246,7 +246,7 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(StepperReset(sim->stepper, PETSC_TRUE, &sim->state));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
-  PetscCall(EmissionsAdd(EmittersOf(sim->stepper), sim->cloud, sim->packing, sim->state.time, restarting, &emitted));
+  PetscCall(StepperBring(sim->stepper, sim->packing, NULL, restarting, &sim->state));
   PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
@@ -496,7 +496,7 @@ PetscErrorCode SimStep(Sim sim, PetscReal end)
   PetscCheckUser(!failed, sim->comm, "stopped at %g s, step %" PetscInt_FMT ": %s%s%s", (double)sim->state.time,
                  sim->state.step, why, sim->writes ? "; the last good state is the newest checkpoint in " : "",
                  sim->writes ? OutputFolder(sim->output) : "");
-  PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
+  PetscCall(StepperBring(sim->stepper, sim->packing, sim->gauges, PETSC_FALSE, &sim->state));
   sim->steps++;
   clock = (PetscBool)(sim->writes && OutputClockDue(sim->output));
   PetscCall(InterruptCheck(sim->comm, &clock, &sim->interrupted));

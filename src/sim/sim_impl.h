@@ -3,7 +3,6 @@
 #define ISPH_SIM_TYPES_H
 
 #include "../base/json.h"
-#include "../emitters/emitters.h"
 #include "sim.h"
 
 #define REST_COLUMNS 16

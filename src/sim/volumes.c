@@ -43,7 +43,7 @@ PetscErrorCode FillingsView(Sim sim, PetscViewer viewer)
 
     if (!BodyComesLater(body)) continue;
     shape = ShapeVolume(sim, body);
-    more  = shape > 0 ? EmissionsVolume(EmittersOf(sim->stepper), sim->domain, b) / shape - 1 : 0;
+    more  = shape > 0 ? StepperFilling(sim->stepper, b, NULL) / shape - 1 : 0;
     if (PetscAbsReal(more) < UNEVEN_FLUX) continue;
     PetscCall(PetscViewerASCIIPrintf(
       viewer,

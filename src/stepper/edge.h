@@ -128,6 +128,9 @@ typedef struct {
   PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* after the step has been accepted */
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
+  /* see StepperBring, StepperFilling; the second is not collective */
+  PetscErrorCode (*bring)(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
+  PetscReal (*filling)(Stepper stepper, PetscInt body, PetscInt *particles);
   /* the cloud has been made anew from the stored fields, for a checkpoint or after one has been read (resumed): what
      follows must depend on these fields and the edge's numbers alone, so that a restart goes on like the run */
   PetscErrorCode (*renew)(Stepper stepper, PetscBool resumed, StepState *state);

@@ -55,3 +55,17 @@ PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copi
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode StepperBring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
+{
+  PetscFunctionBegin;
+  StepHook(stepper, bring, stepper, packing, gauges, resumed, state);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal StepperFilling(Stepper stepper, PetscInt body, PetscInt *particles)
+{
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    if ((*edge)->filling) return (*edge)->filling(stepper, body, particles);
+  return 0;
+}

@@ -165,6 +165,14 @@ PetscInt StepperUnderresolved(Stepper stepper);
 /* StepperDoubt - what an edge says about the last step, in a sentence of at most 'length' bytes; mostly empty.
    Collective. */
 PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length);
+/* StepperBring - adds the liquid that bodies bring up to the state's time, and its energy to the state; gauges NULL:
+   not its energy, before the run. resumed: only counts what the run brought before it was continued. Collective.
+   StepperFilling - the number of particles (may be NULL) of one filling of a body, by its index, and their volume (m3,
+   in two dimensions m2), after the first StepperBring. Not collective. */
+typedef struct _p_Packing *Packing; /* of higher floors, passed on */
+typedef struct _p_Gauges  *Gauges;
+PetscErrorCode StepperBring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
+PetscReal      StepperFilling(Stepper stepper, PetscInt body, PetscInt *particles);
 /* StepperSteadyStep - the step (s) that StepperBounds and the options allow, without the limit on its growth; with
    implicit viscosity if that is faster. scale (1): for the same flow with a spacing so many times as large. Not
    collective. */

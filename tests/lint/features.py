@@ -20,7 +20,7 @@ FEATURES = {
     "solids that move": (("bodies/",),
                          r"SceneSolidsMove|SceneMoveSolids|SolidsMove|BodyMov\w+|BodyMotion|MovingEdge|SceneDriven", 5),
     "emitters": (("emitters/",),
-                 r"BodyEmi\w+|Emi(?:tter|ssion)\w*|EMITTERS_EDGE|BodyTypeEmitter|emitter|inflow_energy", 3),
+                 r"Emi(?:tter|ssion)\w*|BodyTypeEmitter|emitter|inflow_energy", 2),
     "resampling": (("resampling/",), r"Resampl\w+", 2),
     "following": (("following/",), r"Follow(?:ing)?[A-Z]\w*|Target[A-Z]\w*", 1),
     "adaptive spacing": (("domain/", "following/"), r"adaptive|adaptive_data|Adaptive\w*", 6),

@@ -1,6 +1,6 @@
 /* Emitters: when they fill, where a filling is, how fast it moves, the numbers of its particles; the waves of a thread.
    Runs on any number of ranks. */
-#include "../../src/emitters/emitters.h"
+#include "../../src/emitters/emitters_impl.h"
 #include "setup.h"
 #include "check.h"
 
@@ -34,16 +34,16 @@ static PetscErrorCode TestTimes(void)
   PetscFunctionBegin;
   PetscCall(SetupOpen(EMITTERS, &s));
   jet = SceneBody(s.scene, 0);
-  CHECK_CLOSE(BodyEmissions(jet, 0.29), 0, 0, "no filling before the start");
-  CHECK_CLOSE(BodyEmissions(jet, 0.31), 1, 0, "the first filling");
-  CHECK_CLOSE(BodyEmissions(jet, 0.3 + 0.27), 2, 0, "the second filling");
-  CHECK_CLOSE(BodyEmissions(jet, 9), 3, 0, "no more fillings than asked for");
-  BodyEmissionShift(jet, 1, 0.3 + 0.35, shift);
+  CHECK_CLOSE(BodyFillings(jet, 0.29), 0, 0, "no filling before the start");
+  CHECK_CLOSE(BodyFillings(jet, 0.31), 1, 0, "the first filling");
+  CHECK_CLOSE(BodyFillings(jet, 0.3 + 0.27), 2, 0, "the second filling");
+  CHECK_CLOSE(BodyFillings(jet, 9), 3, 0, "no more fillings than asked for");
+  EmissionShift(jet, 1, 0.3 + 0.35, shift);
   CHECK_CLOSE(shift[0], 0, 0, "a filling goes straight on");
   CHECK_CLOSE(shift[1], -2 * (Travelled(0.35) - 0.25), 1e-9, "way of the second filling");
-  BodyEmissionVelocity(jet, 0.3 + 0.125, x, v);
+  BodyFillingVelocity(jet, 0.3 + 0.125, x, v);
   CHECK_CLOSE(v[1], -2 * 1.1, 1e-12, "speed at the top of its modulation");
-  BodyEmissionVelocity(jet, 0.3 + 0.25, x, v);
+  BodyFillingVelocity(jet, 0.3 + 0.25, x, v);
   CHECK_CLOSE(v[1], -2, 1e-12, "speed after half a period");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -113,8 +113,8 @@ static PetscErrorCode TestParticles(void)
       PetscCall(EmissionsAdd(&emissions, s.cloud, packing, time, PETSC_FALSE, &emitted));
       PetscCall(ParticlesGlobalSize(s.particles, &n));
       CHECK(emitted == 20 + 2 * 6 && n == emitted, "fillings of two emitters");
-      CHECK_CLOSE(EmissionsVolume(&emissions, s.domain, 0), 0.2, 1e-12, "volume of a filling of the jet");
-      CHECK_CLOSE(EmissionsVolume(&emissions, s.domain, 1), 0.06, 1e-12, "volume of a filling of the hose");
+      CHECK_CLOSE(EmissionVolume(&emissions.of[0], s.domain), 0.2, 1e-12, "volume of a filling of the jet");
+      CHECK_CLOSE(EmissionVolume(&emissions.of[1], s.domain), 0.06, 1e-12, "volume of a filling of the hose");
       PetscCall(ParticlesOpen(s.particles, &arrays));
       twice = SetupSum((PetscReal)Twice(&arrays));
       for (PetscInt a = 0; a < arrays.n; a++) PetscCall(PetscArrayzero(arrays.real[FIELD_VELOCITY] + DIM * a, DIM));

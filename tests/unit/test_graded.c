@@ -1,7 +1,7 @@
 /* Particles of different sizes (-spacing_coarse): the pairs against all pairs, the sums against fields with known
    answers, the symmetry of the pressure operator, the volumes of the packing, and what is refused. Lengths in fine
    spacings. Runs on any number of ranks. */
-#include "../../src/emitters/emitters.h"
+#include "../../src/emitters/emitters_impl.h"
 #include "../../src/neighbors/pairs.h"
 #include "../../src/resampling/resampling.h"
 #include "setup.h"
