@@ -65,7 +65,8 @@ void RotationVector(PetscReal turn[DIM][DIM], PetscReal angle[DIM]);
 PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal end);
 
 /* CouplingCreate - couples the free solids to the equation of the pressure, if there are any. CouplingForces - force
-   and torque [couplings][RIGID_MOTIONS] (N, N m) of the cloud's pressure on each free solid, as in the equation.
+   and torque [couplings][RIGID_MOTIONS] (N, N m) of the cloud's pressure on each free solid, as in the equation, and of
+   what else is beside it (PressureLoad).
    Collective. */
 PetscErrorCode CouplingCreate(FreeData *data, Cloud cloud, Pressure pressure);
 PetscErrorCode CouplingForces(FreeData *data, Pressure pressure, PetscReal force[]);

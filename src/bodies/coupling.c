@@ -98,16 +98,47 @@ static PetscErrorCode Add(void *context, Pressure pressure, const PetscScalar p[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Yield(void *context, Pressure pressure, const PetscReal force[], PetscReal acceleration[],
+                            PetscReal y[])
+{
+  const FreeData *data = (const FreeData *)context;
+  PetscReal       sum[RIGID_MOTIONS * SCENE_MAX_BODIES];
+
+  PetscFunctionBegin;
+  PetscCall(FreeSum(data->cloud, force, NULL, sum));
+  for (PetscInt k = 0; k < data->couplings; k++) {
+    const struct _p_Coupling *c     = &data->coupling[k];
+    const PetscInt            solid = BODY_SOLID - c->body;
+    PetscReal                 change[RIGID_MOTIONS];
+
+    FreeResponse(c->solid, sum + RIGID_MOTIONS * solid, change);
+    FreeSetVelocities(data->cloud, solid, change, acceleration);
+    for (PetscInt r = 0; r < c->count; r++)
+      for (PetscInt m = 0; m < RIGID_MOTIONS; m++) y[c->row[r]] += c->slope[RIGID_MOTIONS * r + m] * change[m];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CouplingForces(FreeData *data, Pressure pressure, PetscReal force[])
 {
+  PetscReal *load, sum[RIGID_MOTIONS * SCENE_MAX_BODIES];
+
   PetscFunctionBegin;
   PetscCall(Forces(data, pressure, data->cloud->field[FIELD_PRESSURE], force));
+  PetscCall(CloudGetWork(data->cloud, DIM, &load));
+  PetscCall(PetscArrayzero(load, DIM * data->cloud->n_total));
+  PetscCall(PressureLoad(pressure, load));
+  PetscCall(FreeSum(data->cloud, load, NULL, sum));
+  PetscCall(CloudRestoreWork(data->cloud, &load));
+  for (PetscInt k = 0; k < data->couplings; k++)
+    for (PetscInt m = 0; m < RIGID_MOTIONS; m++)
+      force[RIGID_MOTIONS * k + m] += sum[RIGID_MOTIONS * (BODY_SOLID - data->coupling[k].body) + m];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode CouplingCreate(FreeData *data, Cloud cloud, Pressure pressure)
 {
-  static const LowRank term  = {.set_up = SetUp, .add = Add};
+  static const LowRank term  = {.set_up = SetUp, .add = Add, .yield = Yield};
   const Scene          scene = cloud->scene;
 
   PetscFunctionBegin;

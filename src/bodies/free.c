@@ -11,7 +11,7 @@
 #include "bodies_impl.h"
 
 /* F and the torque about the centre (N, N m) on each body, after StepKick: the momentum that the liquid loses to its
-   dummy particles; zero without liquid in their reach. In a periodic box a single body takes up all momentum that the
+   dummy particles, and the force of gas on them. In a periodic box a single body takes up all momentum that the
    liquid loses, to the last digit. */
 static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
 {
@@ -23,6 +23,7 @@ static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), each));
+  PetscCall(PressureLoad(StepperPressure(stepper), each));
   PetscCall(FreeSum(cloud, each, cloud->solid_normal, force));
   PetscCall(CloudRestoreWork(cloud, &each));
   for (PetscInt d = 0; d < cloud->domain->dim; d++)

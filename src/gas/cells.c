@@ -279,10 +279,16 @@ static void ForLines(GasCells *cells, Cloud cloud, PetscInt a, const PetscReal x
     }
 }
 
-/* context: the volume of Part */
+/* Where a particle's sums go, and its volume of Part. */
+typedef struct {
+  PetscReal *sum, part;
+} Filling;
+
 static void AddFilled(GasCells *cells, Cloud cloud, const Line *line, void *context)
 {
-  for (PetscInt m = 0; m < line->n; m++) cells->filled[line->node[m]] += *(const PetscReal *)context * line->W[m];
+  const Filling *filling = (const Filling *)context;
+
+  for (PetscInt m = 0; m < line->n; m++) filling->sum[line->node[m]] += filling->part * line->W[m];
 }
 
 /* The volume of particle a in the sums of cells. full: sum V W on a full lattice. */
@@ -295,9 +301,9 @@ static PetscReal Part(Cloud cloud, PetscInt a, PetscReal full)
 static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
                       const PetscReal x[DIM], void *context)
 {
-  PetscReal part = Part(cloud, a, *(const PetscReal *)context);
+  Filling filling = {cells->filled, Part(cloud, a, *(const PetscReal *)context)};
 
-  ForLines(cells, cloud, a, x, AddFilled, &part);
+  ForLines(cells, cloud, a, x, AddFilled, &filling);
 }
 
 /* Cells inside a solid, which has no particles in its core, are full. */
@@ -409,6 +415,96 @@ PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, Petsc
   PetscCall(PetscFree(inside));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_v, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_w, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The forces on a dummy particle by the regions around it. solid: how far walls and solids fill the cells. */
+typedef struct {
+  const PetscReal *solid;
+  PetscReal part, size;
+  PetscInt  count, owner[GAS_SHARE];
+  PetscReal unit[GAS_SHARE][DIM];
+} Load;
+
+static void AddLoad(GasCells *cells, Cloud cloud, const Line *line, void *context)
+{
+  Load *load = (Load *)context;
+
+  for (PetscInt m = 0; m < line->n; m++) {
+    const PetscInt owner = cells->owner[line->node[m]];
+    PetscInt       at[DIM], k = 0;
+    PetscReal      scale;
+
+    while (k < load->count && load->owner[k] != owner) k++;
+    if (owner <= 0 || k == GAS_SHARE) continue;
+    if (k == load->count) load->owner[load->count++] = owner;
+    GasCellsPlace(cells, line->node[m], at);
+    scale = -6 * load->solid[line->node[m]] * (1 - cells->filled[line->node[m]]) * load->part *
+            GasCellsVolume(cells, cloud->domain, at[0]) * line->F[m] / load->size;
+    for (PetscInt d = 0; d < cloud->domain->dim; d++) load->unit[k][d] += scale * line->r[m][d];
+  }
+}
+
+/* Whether direction d of a force on a dummy particle at x counts. For a wall of the box that is its normal; what
+   particles behind a corner and beside it get along the other wall would cancel. */
+static PetscBool Bears(Domain domain, PetscInt body, const PetscReal x[DIM], PetscInt d)
+{
+  PetscInt beyond[DIM], faces = 0;
+
+  for (PetscInt e = 0; e < DIM; e++) {
+    beyond[e] = e < domain->dim && ((domain->face[e][0] == FACE_WALL && x[e] < domain->lower[e]) ||
+                                    (domain->face[e][1] == FACE_WALL && x[e] > domain->upper[e]));
+    faces += beyond[e];
+  }
+  return (PetscBool)(body <= BODY_SOLID || (faces == 1 && beyond[d]));
+}
+
+static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const PetscReal x[DIM], const Image *image,
+                                const Load *load, GasLoads *loads)
+{
+  PetscFunctionBegin;
+  if (loads->count + load->count > loads->capacity) {
+    loads->capacity = 2 * loads->capacity + 1024;
+    PetscCall(PetscRealloc((size_t)loads->capacity * sizeof(GasLoad), &loads->load));
+  }
+  for (PetscInt k = 0; k < load->count; k++) {
+    GasLoad *to = &loads->load[loads->count++];
+
+    *to = (GasLoad){.dummy = a, .pocket = load->owner[k]};
+    for (PetscInt d = 0; d < DIM; d++)
+      to->unit[d] = Bears(domain, body, x, d) ? image->sign[d] * load->unit[k][d] : 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLoads *loads)
+{
+  const PetscInt count = cells->near * cells->per;
+  PetscReal     *solid;
+
+  PetscFunctionBegin;
+  loads->count = 0;
+  PetscCall(PetscCalloc1(count, &solid));
+  for (PetscInt pass = 0; pass < 2; pass++) { /* sums, then loads */
+    for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+      const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+      Image            image[IMAGES];
+      const PetscInt   n = Images(cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), image);
+
+      for (PetscInt i = 0; i < n && cloud->integer[INT_LAYER][a]; i++) {
+        Load      load    = {.solid = solid, .part = Part(cloud, a, full), .size = cloud->size[a]};
+        Filling   filling = {solid, load.part};
+        PetscReal y[DIM];
+
+        Map(&image[i], x, y);
+        ForLines(cells, cloud, a, y, pass ? AddLoad : AddFilled, pass ? (void *)&load : (void *)&filling);
+        PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
+      }
+    }
+    if (pass == 0)
+      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
+  }
+  PetscCall(PetscFree(solid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

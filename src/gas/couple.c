@@ -26,7 +26,7 @@
 
 void GasForget(Gas *gas)
 {
-  gas->rows = gas->gaps = 0;
+  gas->rows = gas->gaps = gas->yields = 0;
   gas->now.count        = 0;
 }
 
@@ -117,8 +117,8 @@ PetscErrorCode GasFindRows(Gas *gas)
   Cloud cloud = gas->cloud;
 
   PetscFunctionBegin;
-  gas->rows = gas->gaps = 0;
-  gas->layout           = cloud->layout;
+  gas->rows = gas->gaps = gas->yields = 0;
+  gas->layout                         = cloud->layout;
   for (PetscInt a = 0; a < cloud->n_fluid && gas->now.count; a++) {
     Sight    all, each[GAS_SHARE];
     PetscInt n;
@@ -158,6 +158,58 @@ static PetscErrorCode Solve(const Gas *gas, PetscReal y[], PetscReal q[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The loads of the pockets that act: those of this step, or of the last. */
+static PetscErrorCode FindLoads(Gas *gas, Pockets **pockets)
+{
+  PetscFunctionBegin;
+  *pockets         = Acts(gas) ? &gas->now : &gas->before;
+  gas->loads.count = 0;
+  if ((*pockets)->count)
+    PetscCall(GasCellsLoads(&(*pockets)->cells, gas->cloud, PressureFull(gas->pressure), &gas->loads));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What floats gives way to the gas: with d the loads, M its inertia and S the divergence of the rows by its motion, c
+   becomes c - S M^-1 d, and C gets d M^-1 d. It has more rows, which see no gas. */
+static PetscErrorCode AddYields(Gas *gas, Pressure pressure)
+{
+  const Cloud     cloud = gas->cloud;
+  const PetscReal s     = cloud->domain->volume;
+  const PetscInt  n     = gas->now.count;
+  PetscReal      *force, *acceleration, *y, given[GAS_MOST * GAS_MOST];
+  Pockets        *pockets;
+
+  PetscFunctionBegin;
+  PetscCall(FindLoads(gas, &pockets));
+  PetscCall(PetscArrayzero(given, n * n));
+  PetscCall(CloudGetWork(cloud, DIM, &force));
+  PetscCall(CloudGetWork(cloud, DIM, &acceleration));
+  PetscCall(CloudGetWork(cloud, 1, &y));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(PetscArrayzero(force, DIM * cloud->n_total));
+    PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_total));
+    PetscCall(PetscArrayzero(y, cloud->n_rows));
+    for (const GasLoad *l = gas->loads.load; l < gas->loads.load + gas->loads.count; l++)
+      for (PetscInt d = 0; d < DIM && l->pocket == k + 1; d++) force[DIM * l->dummy + d] += l->unit[d];
+    PetscCall(PressureYield(pressure, force, acceleration, y));
+    for (const GasLoad *l = gas->loads.load; l < gas->loads.load + gas->loads.count; l++)
+      given[k * n + l->pocket - 1] += Dot(l->unit, acceleration + DIM * l->dummy) / s;
+    for (PetscInt r = 0; r < cloud->n_rows; r++) {
+      const GasRow row = {.row = r, .pocket = k, .closure = -y[r]};
+
+      if (y[r] == 0) continue;
+      PetscCall(AddRow(gas, &row));
+      gas->yields++;
+    }
+  }
+  PetscCall(CloudRestoreWork(cloud, &y));
+  PetscCall(CloudRestoreWork(cloud, &acceleration));
+  PetscCall(CloudRestoreWork(cloud, &force));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, given, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
+  for (PetscInt i = 0; i < n * n; i++) gas->matrix[i] += given[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* C, and the rates of the volumes without the pressure and at the start. */
 static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
 {
@@ -170,6 +222,8 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(gas->matrix, n * n));
   PetscCall(PetscArrayzero(moved, n));
+  gas->rows -= gas->yields;
+  gas->yields = 0;
   for (GasRow *r = gas->row; r < gas->row + gas->rows; r++)
     r->closure = PressureRow(pressure, r->row) < 0 ? 0 : closure[r->row] * r->share;
   for (PetscInt q = 0, end; q < gas->rows; q = end) { /* rows that see several pockets couple them */
@@ -189,6 +243,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
     for (PetscInt j = 0; j < n; j++) moved[i] -= gas->matrix[i * n + j] * gas->now.pocket[j + 1].pressure;
     gas->star[i + 1] += kept * dt * cloud->domain->volume * moved[i];
   }
+  if (PressureYields(pressure)) PetscCall(AddYields(gas, pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -270,7 +325,7 @@ static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rh
   if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Pressures(gas, NULL, gas->g, q));
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++)
-    rhs[r->row] += r->closure * (q[r->pocket] - kept * gas->now.pocket[r->pocket + 1].pressure);
+    rhs[r->row] += r->closure * (q[r->pocket] - (r->share > 0 ? kept * gas->now.pocket[r->pocket + 1].pressure : 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -307,4 +362,21 @@ static PetscErrorCode Outside(void *context, Pressure pressure, PetscReal outsid
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const LowRank GasTerm = {.set_up = SetUp, .add = Add, .right_side = RightSide, .solved = Solved, .outside = Outside};
+static PetscErrorCode Press(void *context, Pressure pressure, PetscReal force[])
+{
+  Gas     *gas = (Gas *)context;
+  Pockets *pockets;
+
+  PetscFunctionBegin;
+  PetscCall(FindLoads(gas, &pockets));
+  for (const GasLoad *l = gas->loads.load; l < gas->loads.load + gas->loads.count; l++)
+    for (PetscInt d = 0; d < DIM; d++) force[DIM * l->dummy + d] += pockets->pocket[l->pocket].pressure * l->unit[d];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const LowRank GasTerm = {.set_up     = SetUp,
+                         .add        = Add,
+                         .right_side = RightSide,
+                         .solved     = Solved,
+                         .outside    = Outside,
+                         .load       = Press};

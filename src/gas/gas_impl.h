@@ -41,6 +41,22 @@ PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, Petsc
                              const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[]);
 PetscErrorCode GasCellsDestroy(GasCells *cells);
 
+/* The force of a pocket of unit pressure on a dummy particle of a wall or solid, m^(dim - 1): the sum over the pocket's
+   cells of 6 s (1 - f) V grad W, f how far a cell is filled, s how far by walls and solids. On a dry wall, s = f, it is
+   the area: 6 s (1 - s) grad s integrates to 1 whatever the kernel, and is symmetric in 1 - s, so that nothing is
+   missing in corners. Where liquid fills a share q of what is in front of the wall, 1 - f = (1 - q) (1 - s). */
+typedef struct {
+  PetscInt  dummy, pocket; /* pocket: from 1 on */
+  PetscReal unit[DIM];
+} GasLoad;
+typedef struct {
+  PetscInt count, capacity;
+  GasLoad *load;
+} GasLoads;
+
+/* GasCellsLoads - the loads of this rank's dummy particles at their present positions. Collective. */
+PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLoads *loads);
+
 static inline PetscInt GasCellsNode(const GasCells *cells, PetscInt i, PetscInt j, PetscInt k)
 {
   const PetscInt *s     = cells->shift;
@@ -119,6 +135,8 @@ typedef struct {
   PetscReal g[GAS_MOST], matrix[GAS_MOST * GAS_MOST]; /* D + C */
   PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
   PetscReal kept[GAS_MOST + 1];                    /* pressures of the former step, Pa */
+  GasLoads  loads;
+  PetscInt  yields; /* rows by which pockets move what floats, behind the others */
 } Gas;
 
 static inline Gas *GasOf(Stepper stepper)

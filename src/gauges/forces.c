@@ -80,8 +80,7 @@ static PetscInt PressureReceiver(Gauges gauges, PetscInt body, PetscInt d, const
   return receiver;
 }
 
-/* Adds the forces of this rank's fluid on the dummy particles, ghosts too (on_dummy [n_total][3], N), to their
-   receivers. */
+/* Adds forces on the dummy particles, ghosts too (on_dummy [n_total][3], N), to their receivers. */
 static void AddToReceivers(Gauges gauges, PetscBool pressure, const PetscReal on_dummy[], PetscReal force[])
 {
   Cloud          cloud = gauges->cloud;
@@ -130,6 +129,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, const void *data, PetscReal 
   PetscCall(PetscArrayzero(force, columns));
   PetscCall(CloudGetWork(cloud, DIM, &on_dummy));
   PetscCall(OperatorsWallForce(cloud, gauges->corrected, on_dummy));
+  if (gauges->pressure) PetscCall(PressureLoad(gauges->pressure, on_dummy));
   AddToReceivers(gauges, PETSC_TRUE, on_dummy, force);
   if (gauges->viscosity) {
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));

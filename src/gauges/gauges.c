@@ -52,10 +52,11 @@ void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), v
   gauges->context = context;
 }
 
-void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension)
+void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, Pressure pressure, PetscBool tension)
 {
   gauges->viscosity = viscosity;
-  gauges->corrected = corrected;
+  gauges->pressure  = pressure;
+  gauges->corrected = (PetscBool)(!pressure || PressureGradientCorrected(pressure));
   gauges->tension   = tension;
   gauges->listed    = PETSC_FALSE;
 }

@@ -6,6 +6,7 @@
 #define ISPH_GAUGES_H
 
 #include "../operators/operators.h"
+#include "../pressure/pressure.h"
 
 typedef struct _p_Gauges *Gauges;
 
@@ -70,9 +71,9 @@ typedef struct {
 /* GaugesCreate - makes the gauges of a cloud (borrowed). The scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
 /* GaugesSetForces - tells how the run computes the forces on walls. viscosity (borrowed): its friction is included.
-   corrected: the pressure gradient is corrected; else it is a sum of pair forces. tension: surface tension sets
-   FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not collective. */
-void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, PetscBool corrected, PetscBool tension);
+   pressure (borrowed): its gradient, and what presses on dry walls; NULL: the gradient is corrected, and nothing does.
+   tension: surface tension sets FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not collective. */
+void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, Pressure pressure, PetscBool tension);
 /* GaugesSetRun - tells what moves the particles (borrowed), for the gauges in folders of its edges. Not collective. */
 void GaugesSetRun(Gauges gauges, void *run);
 /* GaugesSetRefresh - GaugesMeasure calls refresh(context) (borrowed) when a gauge needs sums over neighbours and the

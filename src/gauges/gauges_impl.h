@@ -20,6 +20,7 @@ struct _p_Gauges {
   PetscMPIInt      rank, size;
   Cloud            cloud;                   /* borrowed */
   const Viscosity *viscosity;               /* borrowed; NULL: not known */
+  Pressure         pressure;                /* borrowed; NULL: none */
   PetscBool        corrected;               /* the pressure gradient is corrected */
   PetscBool        tension;                 /* FIELD_CAPILLARY holds the pressure of surface tension */
   PetscReal        level;                   /* m; NAN: not given and not yet measured */

@@ -203,6 +203,31 @@ PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode PressureLoad(Pressure pressure, PetscReal force[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->load)
+      PetscCall(pressure->low_rank[k].term->load(pressure->low_rank[k].context, pressure, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode PressureYield(Pressure pressure, const PetscReal force[], PetscReal acceleration[], PetscReal y[])
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->yield)
+      PetscCall(pressure->low_rank[k].term->yield(pressure->low_rank[k].context, pressure, force, acceleration, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool PressureYields(Pressure pressure)
+{
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->yield) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscInt PressureRow(Pressure pressure, PetscInt a)
 {
   const PetscInt row = a < pressure->cloud->n_rows ? a : ParentRow(pressure, a);

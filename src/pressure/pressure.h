@@ -112,12 +112,22 @@ typedef struct {
   /* adds to the pressure outside the free surface ([n_fluid], Pa) and its slope ([n_fluid][3], Pa/m) what is there
      besides surface tension */
   PetscErrorCode (*outside)(void *context, Pressure pressure, PetscReal outside[], PetscReal slope[]);
+  /* adds to the forces on dummy particles ([n_total][3], N) that of what is outside the liquid and beside them */
+  PetscErrorCode (*load)(void *context, Pressure pressure, PetscReal force[]);
+  /* what moves under such forces: adds L of the motion to y ([n_rows]), as for a pressure with these forces, and sets
+     the accelerations ([n_total][3], m/s2) of its dummy particles of this rank */
+  PetscErrorCode (*yield)(void *context, Pressure pressure, const PetscReal force[], PetscReal acceleration[],
+                          PetscReal y[]);
 } LowRank;
 
 /* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureRow - the
    local row of owned particle a, that of its parent for a deeper wall particle; -1: it has no pairs. PressureRowScale -
-   the masses (kg) of the rows count times this (1/kg). Not collective. */
+   the masses (kg) of the rows count times this (1/kg). Not collective. PressureLoad, PressureYield - the hooks of all
+   terms; PressureYields - whether a term has 'yield'. Collective. */
 PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context);
+PetscErrorCode PressureLoad(Pressure pressure, PetscReal force[]);
+PetscErrorCode PressureYield(Pressure pressure, const PetscReal force[], PetscReal acceleration[], PetscReal y[]);
+PetscBool      PressureYields(Pressure pressure);
 PetscInt       PressureRow(Pressure pressure, PetscInt a);
 PetscReal      PressureRowScale(Pressure pressure);
 /* PressureCloses - whether the row of fluid particle a is near a free surface, so that it may be closed.

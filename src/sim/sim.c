@@ -196,7 +196,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
   GaugesSetRun(sim->gauges, sim->stepper);
   PetscCall(GaugesSetFromOptions(sim->gauges));
-  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), PressureGradientCorrected(sim->pressure),
+  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), sim->pressure,
                   TensionOnSurface(sim->tension));
   GaugesSetRefresh(sim->gauges, RefreshSums, sim->stepper);
   PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));

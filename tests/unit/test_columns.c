@@ -242,7 +242,7 @@ static PetscErrorCode Write(const char options[], Liquid liquid, PetscReal copie
   PetscCall(PetscOptionsSetValue(NULL, "-output_dir", folder));
   PetscCall(GaugesCreate(s.cloud, &gauges));
   PetscCall(GaugesSetFromOptions(gauges));
-  GaugesSetForces(gauges, &viscosity, PETSC_TRUE, PETSC_TRUE);
+  GaugesSetForces(gauges, &viscosity, NULL, PETSC_TRUE);
   PetscCall(OutputCreate(s.cloud, gauges, &output));
   PetscCall(OutputSetFromOptions(output));
   PetscCall(OutputSetUp(output, NULL, &state));

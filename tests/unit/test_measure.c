@@ -202,7 +202,7 @@ static PetscErrorCode TestPull(void)
     PetscInt  last;
 
     PetscCall(Open(scenes[mirror], NULL, &s, &gauges));
-    GaugesSetForces(gauges, NULL, PETSC_TRUE, PETSC_TRUE);
+    GaugesSetForces(gauges, NULL, NULL, PETSC_TRUE);
     PetscCall(SetupMoments(&s));
     for (PetscInt a = 0; a < s.cloud->n_owned; a++) s.cloud->field[FIELD_CAPILLARY][a] = 5;
     last = ColumnCount(gauges) - 1;
@@ -217,7 +217,7 @@ static PetscErrorCode TestPull(void)
     PetscCall(Close(&s, &gauges));
   }
   PetscCall(Open(SPACE "-box_lower 0,0 -box_upper 2,2 -bodies a -a_upper 1,1 -gauge_forces", NULL, &s, &gauges));
-  GaugesSetForces(gauges, NULL, PETSC_TRUE, PETSC_TRUE);
+  GaugesSetForces(gauges, NULL, NULL, PETSC_TRUE);
   CHECK(ColumnCount(gauges) == 0, "no_pull_where_nothing_is_wetted");
   PetscCall(Close(&s, &gauges));
   PetscFunctionReturn(PETSC_SUCCESS);
