@@ -306,30 +306,33 @@ static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
   ForLines(cells, cloud, a, x, AddFilled, &filling);
 }
 
+/* The middle of a cell, or of the first cell of an empty block. */
+static void CellMiddle(const GasCells *cells, Domain domain, PetscInt node, PetscReal x[DIM])
+{
+  PetscInt at[DIM];
+
+  GasCellsPlace(cells, node, at);
+  for (PetscInt d = 0; d < DIM; d++) x[d] = d < domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
+}
+
 /* Cells inside a solid, which has no particles in its core, are full. */
 static void FillSolids(GasCells *cells, Cloud cloud)
 {
   const Scene scene = cloud->scene;
 
   for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(scene) > 0; c++) {
-    PetscInt  at[DIM];
     PetscReal x[DIM];
 
     if (cells->filled[c] >= 0.5) continue;
-    GasCellsPlace(cells, c, at);
-    for (PetscInt d = 0; d < DIM; d++)
-      x[d] = d < cloud->domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
+    CellMiddle(cells, cloud->domain, c, x);
     for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
       if (BodyDistance(SceneSolid(scene, b), x) < -cloud->domain->spacing) cells->filled[c] = 1;
   }
   for (PetscInt b = 0; b < cells->all && SceneSolidCount(scene) > 0; b++) {
-    PetscInt  at[DIM];
     PetscReal x[DIM];
 
     if (cells->block[b] != BLOCK_EMPTY) continue;
-    CellCoordinates(cells->blocks, b, at);
-    for (PetscInt d = 0; d < DIM; d++)
-      x[d] = d < cloud->domain->dim ? cells->lower[d] + ((at[d] << cells->shift[d]) + 0.5) * cells->size[d] : 0;
+    CellMiddle(cells, cloud->domain, cells->near * cells->per + b, x);
     for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
       if (BodyDistance(SceneSolid(scene, s), x) < 0) cells->block[b] = BLOCK_FULL;
   }
@@ -459,6 +462,18 @@ static PetscBool Bears(Domain domain, PetscInt body, const PetscReal x[DIM], Pet
   return (PetscBool)(body <= BODY_SOLID || (faces == 1 && beyond[d]));
 }
 
+/* Takes cells deeper than MARGIN in solids out: behind their dummy particles solids are hollow. */
+static void LeaveCores(const GasCells *cells, Cloud cloud, PetscReal solid[])
+{
+  for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(cloud->scene); c++) {
+    PetscReal x[DIM];
+
+    if (solid[c] < 0.5) continue;
+    CellMiddle(cells, cloud->domain, c, x);
+    if (SceneSolidDistance(cloud->scene, x, NULL) < -MARGIN * cloud->domain->spacing) solid[c] = 0;
+  }
+}
+
 static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const PetscReal x[DIM], const Image *image,
                                 const Load *load, GasLoads *loads)
 {
@@ -501,8 +516,9 @@ PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLo
         PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
       }
     }
-    if (pass == 0)
-      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
+    if (pass > 0) continue;
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
+    LeaveCores(cells, cloud, solid);
   }
   PetscCall(PetscFree(solid));
   PetscFunctionReturn(PETSC_SUCCESS);

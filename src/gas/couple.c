@@ -266,7 +266,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     if (gas->before_known) pocket->tracked += dt * gas->old[k + 1];
     pocket->tracked += correction * (pocket->volume - pocket->tracked);
     V = pocket->tracked = PetscMax(pocket->tracked, LEAST * pocket->volume);
-    if (gas->matrix[k * n + k] == 0) { /* no row sees it */
+    if (gas->exponent == 0 && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */
       gas->matrix[k * n + k] = 1;
       gas->g[k]              = 0;
     } else if (gas->exponent == 0)

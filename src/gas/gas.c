@@ -90,7 +90,8 @@ static PetscBool On(Stepper stepper)
 static PetscReal Speed(Stepper stepper)
 {
   const Gas      *gas    = GasOf(stepper);
-  const PetscReal excess = PetscAbsReal(gas->start - gas->ambient);
+  const PetscReal hole   = SceneHolePressure(gas->cloud->scene, NULL),
+                  excess = PetscMax(PetscAbsReal(gas->start - gas->ambient), hole > 0 ? PetscAbsReal(hole - gas->ambient) : 0);
 
   return gas->on ? PetscSqrtReal(2 * excess / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
 }
@@ -232,14 +233,25 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define HOLE "-<hole>_pressure"
+
+static PetscBool HasHole(Scene scene, Tension tension)
+{
+  return (PetscBool)(scene && SceneHolePressure(scene, NULL) > 0);
+}
+
+static const Feature features[] = {{HOLE, HasHole}, {.name = NULL}};
+
 #define DIRECT ": the gas's part of the pressure equation is not in the preconditioner; -ksp_type cg can"
 static const Refusal refusals[] = {
+  {HOLE, NEEDS, "-gas", ""},
   {"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"}, {"-gas", NEEDS, FEATURE_CENTERED, ", the default"},
   {"-gas", NEEDS, FEATURE_DIVERGENCE, ", the default"}, {"-gas", NOT_WITH, "-interface_tension", " yet"},
   {"-ksp_type preonly", NOT_WITH, "-gas", DIRECT},      {"-ksp_type none", NOT_WITH, "-gas", DIRECT},
   {"-gas", NOT_WITH, FEATURE_DENSITIES, " yet"},        {.one = NULL}};
 
 const Edge GasEdge = {.name        = GAS_EDGE,
+                      .features    = features,
                       .refusals    = refusals,
                       .data_size   = sizeof(Gas),
                       .number_size = sizeof(GasNumbers),

@@ -298,12 +298,38 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pressures (Pa) of the pockets at the start: that of -gas_pressure_start, or of a hole that they fill. */
+static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
+{
+  const GasCells *cells  = &gas->now.cells;
+  const Domain    domain = gas->cloud->domain;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 1; k <= gas->now.count; k++) pressure[k] = 0;
+  for (PetscInt node = 0; node < cells->near * cells->per + cells->all; node++) {
+    PetscInt  at[DIM];
+    PetscReal x[DIM] = {0, 0, 0}, own;
+
+    if (cells->label[node] <= 0 || !Exists(cells, node)) continue;
+    GasCellsPlace(cells, node, at);
+    for (PetscInt d = 0; d < domain->dim; d++) x[d] = cells->lower[d] + (at[d] + 0.5) * cells->size[d];
+    own = SceneHolePressure(gas->cloud->scene, x);
+    PetscCheckUser(own == 0 || pressure[cells->label[node]] == 0 || own == pressure[cells->label[node]],
+                   gas->cloud->comm, "holes of the pressures %g and %g Pa are one pocket of gas: they touch",
+                   (double)own, (double)pressure[cells->label[node]]);
+    pressure[cells->label[node]] = PetscMax(own, pressure[cells->label[node]]);
+  }
+  for (PetscInt k = 1; k <= gas->now.count; k++)
+    if (pressure[k] == 0) pressure[k] = gas->start;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GasFind(Gas *gas)
 {
   GasCells *cells   = &gas->now.cells;
   Domain    domain  = gas->cloud->domain;
   Regions   regions = {NULL, 0, 0};
-  PetscReal air[GAS_MOST + 1];
+  PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1];
   PetscInt *queue, labelled = 0, nodes;
 
   PetscFunctionBegin;
@@ -317,13 +343,14 @@ PetscErrorCode GasFind(Gas *gas)
     if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
   Spread(cells, domain, queue, labelled);
   Measure(&gas->now, domain);
+  if (!gas->before_known) PetscCall(Start(gas, start));
   for (PetscInt k = 1; k <= gas->now.count; k++) {
     Pocket *pocket = &gas->now.pocket[k];
 
     /* what was air has the air's pressure, at the start that of the option */
     pocket->amount +=
       air[k] * pocket->volume *
-      (gas->before_known || gas->exponent == 0 ? 1 : PetscPowReal(gas->start / gas->ambient, 1 / gas->exponent));
+      (gas->before_known || gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     pocket->tracked += air[k] * pocket->volume;
   }
   gas->found = PETSC_TRUE;

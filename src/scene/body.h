@@ -100,6 +100,7 @@ struct _p_Body {
   char                type[SCENE_NAME_LENGTH];
   const BodyTypeOps  *kind;               /* NULL of a solid */
   void               *type_data;          /* as shape_data */
+  PetscReal           gas_pressure;       /* of a hole, Pa, at the start; 0: not given */
   PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
   PetscReal           contact_hysteresis; /* of a solid, degrees */
   struct _p_Motion   *motion;             /* of a solid that can move; else NULL */

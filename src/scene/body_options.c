@@ -20,6 +20,13 @@ static const OptionRow holed[] = {
   {.name = NULL},
 };
 
+/* Of a hole. */
+static const OptionRow aired[] = {
+  {"-pressure", "Pressure at the start of the gas in a hole, with -gas; 0: -gas_pressure_start", "Pa", "[0, inf)",
+   ROW_REAL, offsetof(struct _p_Body, gas_pressure)},
+  {.name = NULL},
+};
+
 static PetscErrorCode ReadHoles(Body body, Holes *holes)
 {
   PetscFunctionBegin;
@@ -31,7 +38,7 @@ static PetscErrorCode ReadHoles(Body body, Holes *holes)
                    body->prefix, holes->name[k], body->name);
     PetscCall(BodyCreate(body->domain, holes->name[k], k, &body->hole[k]));
     body->holes++;
-    PetscCall(RegionSetFromOptions(body->hole[k]));
+    PetscCall(RegionSetFromOptions(body->hole[k], PETSC_TRUE));
     PetscCall(BodyCheckShape(body->hole[k]));
     PetscCall(BodyCheckInside(body->hole[k]));
     PetscCall(PetscFree(holes->name[k]));
@@ -209,7 +216,7 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode RegionSetFromOptions(Body body)
+PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole)
 {
   char title[2 * SCENE_NAME_LENGTH];
 
@@ -217,6 +224,7 @@ PetscErrorCode RegionSetFromOptions(Body body)
   PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject));
+  if (hole) PetscCall(Read(body, PetscOptionsObject, aired, body));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -245,6 +253,9 @@ PetscErrorCode SceneHelp(MPI_Comm comm)
   PetscCall(ReadChosen(body, NULL, typed, &body->type_data, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));
+  PetscOptionsEnd();
+  PetscOptionsBegin(comm, body->prefix, "Hole, any", "Scene");
+  PetscCall(Read(body, PetscOptionsObject, aired, body));
   PetscOptionsEnd();
   PetscOptionsBegin(comm, body->prefix, "Solid, any", "Scene");
   PetscCall(ReadContactAngle(body, PetscOptionsObject));

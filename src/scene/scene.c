@@ -65,6 +65,19 @@ static const OptionRow options[] = {
   {.name = NULL},
 };
 
+PetscReal SceneHolePressure(Scene scene, const PetscReal x[])
+{
+  PetscReal pressure = 0;
+
+  for (PetscInt b = 0; b < scene->count + scene->solids; b++) {
+    const Body body = b < scene->count ? scene->body[b] : scene->solid[b - scene->count];
+
+    for (PetscInt k = 0; k < body->holes; k++)
+      if (!x || ShapeDistance(body->hole[k], x) < 0) pressure = PetscMax(pressure, body->hole[k]->gas_pressure);
+  }
+  return pressure;
+}
+
 /* Reads the body forces and the names. */
 static PetscErrorCode ReadScene(Scene scene, SceneWords *names)
 {
@@ -213,7 +226,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(BodyCheckInside(scene->solid[b]));
   }
   for (PetscInt b = 0; b < scene->fine_regions; b++) {
-    PetscCall(RegionSetFromOptions(scene->fine[b]));
+    PetscCall(RegionSetFromOptions(scene->fine[b], PETSC_FALSE));
     PetscCall(BodyCheckInside(scene->fine[b]));
   }
   PetscCall(LiquidsSetFromOptions(scene));

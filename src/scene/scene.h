@@ -24,6 +24,7 @@
    and grows to -spacing_coarse outside (SceneSpacing).
 
    -<b>_holes pit,tube of a body or solid: shapes that are cut out of it; a hole is air, or another body fills it.
+   _pressure: of the gas in it at the start, with -gas.
 
    Shapes and their sizes (m):
    box         _lower, _upper (default: the simulation box)
@@ -140,6 +141,9 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 /* BodyContains - whether x (m) is inside the shape and the box. */
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
+/* SceneHolePressure - the pressure (Pa) that gas at x (m) has at the start by the option of a hole there, 0: none; the
+   largest of all holes without x. */
+PetscReal SceneHolePressure(Scene scene, const PetscReal x[]);
 /* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 /* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m). SceneBodyScales - its

@@ -62,8 +62,9 @@ PetscErrorCode FrameCheck(Scene scene);
 void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
 PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
-/* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole. Collective.*/
-PetscErrorCode RegionSetFromOptions(Body body);
+/* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole, and what else
+   a hole has. Collective. */
+PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole);
 PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer); /* tension: the scene has some */
 PetscErrorCode BodyDestroy(Body *body);
 
