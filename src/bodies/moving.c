@@ -108,6 +108,7 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &force));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), force));
+  PetscCall(PressureLoad(StepperPressure(stepper), force));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
 

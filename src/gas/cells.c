@@ -315,18 +315,19 @@ static void CellMiddle(const GasCells *cells, Domain domain, PetscInt node, Pets
   for (PetscInt d = 0; d < DIM; d++) x[d] = d < domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
 }
 
-/* Cells inside a solid, which has no particles in its core, are full. */
+/* Cells inside a solid are full, deeper than MARGIN whatever moves: behind its dummy particles a solid is hollow. */
 static void FillSolids(GasCells *cells, Cloud cloud)
 {
   const Scene scene = cloud->scene;
 
   for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(scene) > 0; c++) {
-    PetscReal x[DIM];
+    PetscReal x[DIM], depth;
 
-    if (cells->filled[c] >= 0.5) continue;
+    if (cells->mark[c] == MARK_WET) continue;
     CellMiddle(cells, cloud->domain, c, x);
-    for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
-      if (BodyDistance(SceneSolid(scene, b), x) < -cloud->domain->spacing) cells->filled[c] = 1;
+    depth = -SceneSolidDistance(scene, x, NULL) / cloud->domain->spacing;
+    if (depth > MARGIN || (depth > 1 && cells->filled[c] < 0.5)) cells->filled[c] = 1;
+    if (depth > MARGIN) cells->mark[c] = MARK_WET;
   }
   for (PetscInt b = 0; b < cells->all && SceneSolidCount(scene) > 0; b++) {
     PetscReal x[DIM];
@@ -462,18 +463,6 @@ static PetscBool Bears(Domain domain, PetscInt body, const PetscReal x[DIM], Pet
   return (PetscBool)(body <= BODY_SOLID || (faces == 1 && beyond[d]));
 }
 
-/* Takes cells deeper than MARGIN in solids out: behind their dummy particles solids are hollow. */
-static void LeaveCores(const GasCells *cells, Cloud cloud, PetscReal solid[])
-{
-  for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(cloud->scene); c++) {
-    PetscReal x[DIM];
-
-    if (solid[c] < 0.5) continue;
-    CellMiddle(cells, cloud->domain, c, x);
-    if (SceneSolidDistance(cloud->scene, x, NULL) < -MARGIN * cloud->domain->spacing) solid[c] = 0;
-  }
-}
-
 static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const PetscReal x[DIM], const Image *image,
                                 const Load *load, GasLoads *loads)
 {
@@ -516,9 +505,8 @@ PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLo
         PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
       }
     }
-    if (pass > 0) continue;
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
-    LeaveCores(cells, cloud, solid);
+    if (pass == 0)
+      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   }
   PetscCall(PetscFree(solid));
   PetscFunctionReturn(PETSC_SUCCESS);
