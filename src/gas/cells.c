@@ -117,13 +117,14 @@ static PetscBool IsInside(Cloud cloud, Pressure pressure, PetscInt a)
   return (PetscBool)(a < cloud->n_fluid && !PressureCloses(pressure, a));
 }
 
-/* Calls 'visit' for the images of each owned particle. */
+/* Calls 'visit' for the images of the owned particles from 'first' on. inside: NULL: none is. */
 typedef void (*Visitor)(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
                         const PetscReal x[DIM], void *context);
 
-static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Visitor visit, void *context)
+static void ForImages(GasCells *cells, Cloud cloud, PetscInt first, const PetscBool inside[], Visitor visit,
+                      void *context)
 {
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+  for (PetscInt a = first; a < cloud->n_owned; a++) {
     const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
     const PetscReal  reach = cloud->size[a] * KernelSupport(cloud->kernel);
     Image            image[IMAGES];
@@ -133,7 +134,7 @@ static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Vi
       PetscReal y[DIM];
 
       Map(&image[k], x, y);
-      visit(cells, cloud, a, inside[a], &image[k], y, context);
+      visit(cells, cloud, a, (PetscBool)(inside && inside[a]), &image[k], y, context);
     }
   }
 }
@@ -165,7 +166,7 @@ static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool in
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(cells->all, &touch));
-  ForImages(cells, cloud, inside, TouchBlocks, touch);
+  ForImages(cells, cloud, 0, inside, TouchBlocks, touch);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touch, (PetscMPIInt)cells->all, MPI_UNSIGNED_CHAR, MPI_MAX, cloud->comm));
   cells->near = 0;
   for (PetscInt b = 0; b < cells->all; b++) {
@@ -187,10 +188,12 @@ static PetscErrorCode Reserve(GasCells *cells)
   cells->capacity = nodes + nodes / 4;
   PetscCall(PetscFree(cells->mark));
   PetscCall(PetscFree(cells->filled));
+  PetscCall(PetscFree(cells->solid));
   PetscCall(PetscFree(cells->label));
   PetscCall(PetscFree(cells->owner));
   PetscCall(PetscMalloc1(cells->capacity, &cells->mark));
   PetscCall(PetscMalloc1(cells->capacity, &cells->filled));
+  PetscCall(PetscMalloc1(cells->capacity, &cells->solid));
   PetscCall(PetscMalloc1(cells->capacity, &cells->label));
   PetscCall(PetscMalloc1(cells->capacity, &cells->owner));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -297,11 +300,16 @@ static PetscReal Part(Cloud cloud, PetscInt a, PetscReal full)
   return cloud->domain->volume * cloud->relative_weight[a] / full;
 }
 
-/* context: sum V W on a full lattice */
+/* The context of FillCells; full: sum V W on a full lattice. */
+typedef struct {
+  PetscReal full, *sum;
+} Fill;
+
 static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const Image *image,
                       const PetscReal x[DIM], void *context)
 {
-  Filling filling = {cells->filled, Part(cloud, a, *(const PetscReal *)context)};
+  const Fill *fill    = (const Fill *)context;
+  Filling     filling = {fill->sum, Part(cloud, a, fill->full)};
 
   ForLines(cells, cloud, a, x, AddFilled, &filling);
 }
@@ -341,7 +349,7 @@ static void FillSolids(GasCells *cells, Cloud cloud)
 
 PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
 {
-  PetscReal  full = PressureFull(pressure);
+  Fill       fill = {.full = PressureFull(pressure)};
   PetscInt   count;
   PetscBool *inside;
 
@@ -353,15 +361,31 @@ PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
   PetscCall(Reserve(cells));
   count = cells->near * cells->per;
   PetscCall(PetscArrayzero(cells->mark, count));
-  ForImages(cells, cloud, inside, MarkCells, NULL);
+  ForImages(cells, cloud, 0, inside, MarkCells, NULL);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->mark, (PetscMPIInt)count, MPI_UNSIGNED_CHAR, MPI_BOR, cloud->comm));
   PetscCall(PetscArrayzero(cells->filled, count));
-  ForImages(cells, cloud, inside, FillCells, &full);
+  fill.sum           = cells->filled;
+  cells->solid_known = PETSC_FALSE;
+  ForImages(cells, cloud, 0, inside, FillCells, &fill);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt c = 0; c < count; c++)
     if (cells->mark[c] == MARK_WET) cells->filled[c] = 1;
   FillSolids(cells, cloud);
   PetscCall(PetscFree(inside));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full)
+{
+  const PetscInt count = cells->near * cells->per;
+  Fill           fill  = {full, cells->solid};
+
+  PetscFunctionBegin;
+  if (cells->solid_known) PetscFunctionReturn(PETSC_SUCCESS);
+  cells->solid_known = PETSC_TRUE;
+  PetscCall(PetscArrayzero(cells->solid, count));
+  ForImages(cells, cloud, cloud->n_fluid, NULL, FillCells, &fill);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -371,7 +395,15 @@ typedef struct {
   const PetscReal *v[2];
   PetscReal       *rate[2];
   PetscReal        part, size, lengthening[2], u[2][DIM];
+  PetscBool        solid;
 } Flux;
+
+/* The weight of the part of a solid, s: behind its dummy particles, a solid is hollow. In front of what is dry as well
+   as of what is wet, the weighted grad s integrates to what grad s does if the solid is full. */
+static PetscReal SolidWeight(PetscReal s)
+{
+  return 6 * s * (1 - s);
+}
 
 static void AddRates(GasCells *cells, Cloud cloud, const Line *line, void *context)
 {
@@ -385,6 +417,7 @@ static void AddRates(GasCells *cells, Cloud cloud, const Line *line, void *conte
     if (owner <= 0) continue;
     GasCellsPlace(cells, line->node[m], at);
     volume = flux->part * GasCellsVolume(cells, cloud->domain, at[0]);
+    if (flux->solid) volume *= SolidWeight(cells->solid[line->node[m]]);
     for (PetscInt s = 0; s < 2; s++) /* a longer ring has a smaller area */
       flux->rate[s][owner] -=
         volume * (line->F[m] * Dot(line->r[m], flux->u[s]) / flux->size - line->W[m] * flux->lengthening[s]);
@@ -397,7 +430,8 @@ static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, c
   Flux *flux = (Flux *)context;
 
   flux->part = Part(cloud, a, flux->full);
-  flux->size = cloud->size[a];
+  flux->size  = cloud->size[a];
+  flux->solid = (PetscBool)(cells->solid_known && cloud->integer[INT_BODY][a] <= BODY_SOLID);
   for (PetscInt s = 0; s < 2; s++) {
     for (PetscInt d = 0; d < DIM; d++) flux->u[s][d] = image->sign[d] * flux->v[s][DIM * a + d];
     flux->lengthening[s] = DomainLengthening(cloud->domain, x, flux->u[s]);
@@ -408,23 +442,19 @@ static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, c
 PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
                              const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[])
 {
-  Flux       flux = {.full = full, .v = {v, w}, .rate = {rate_v, rate_w}};
-  PetscBool *inside;
+  Flux flux = {.full = full, .v = {v, w}, .rate = {rate_v, rate_w}};
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(rate_v, count + 1));
   PetscCall(PetscArrayzero(rate_w, count + 1));
-  PetscCall(PetscCalloc1(cloud->n_owned, &inside));
-  ForImages(cells, cloud, inside, FluxOf, &flux);
-  PetscCall(PetscFree(inside));
+  ForImages(cells, cloud, 0, NULL, FluxOf, &flux);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_v, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate_w, (PetscMPIInt)count + 1, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The forces on a dummy particle by the regions around it. solid: how far walls and solids fill the cells. */
+/* The forces on a dummy particle by the regions around it. */
 typedef struct {
-  const PetscReal *solid;
   PetscReal part, size;
   PetscInt  count, owner[GAS_SHARE];
   PetscReal unit[GAS_SHARE][DIM];
@@ -443,7 +473,7 @@ static void AddLoad(GasCells *cells, Cloud cloud, const Line *line, void *contex
     if (owner <= 0 || k == GAS_SHARE) continue;
     if (k == load->count) load->owner[load->count++] = owner;
     GasCellsPlace(cells, line->node[m], at);
-    scale = -6 * load->solid[line->node[m]] * (1 - cells->filled[line->node[m]]) * load->part *
+    scale = -6 * cells->solid[line->node[m]] * (1 - cells->filled[line->node[m]]) * load->part *
             GasCellsVolume(cells, cloud->domain, at[0]) * line->F[m] / load->size;
     for (PetscInt d = 0; d < cloud->domain->dim; d++) load->unit[k][d] += scale * line->r[m][d];
   }
@@ -483,32 +513,23 @@ static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const 
 
 PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLoads *loads)
 {
-  const PetscInt count = cells->near * cells->per;
-  PetscReal     *solid;
-
   PetscFunctionBegin;
   loads->count = 0;
-  PetscCall(PetscCalloc1(count, &solid));
-  for (PetscInt pass = 0; pass < 2; pass++) { /* sums, then loads */
-    for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
-      const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
-      Image            image[IMAGES];
-      const PetscInt   n = Images(cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), image);
+  PetscCall(GasCellsSolid(cells, cloud, full));
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+    Image            image[IMAGES];
+    const PetscInt   n = Images(cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), image);
 
-      for (PetscInt i = 0; i < n && cloud->integer[INT_LAYER][a]; i++) {
-        Load      load    = {.solid = solid, .part = Part(cloud, a, full), .size = cloud->size[a]};
-        Filling   filling = {solid, load.part};
-        PetscReal y[DIM];
+    for (PetscInt i = 0; i < n && cloud->integer[INT_LAYER][a]; i++) {
+      Load      load = {.part = Part(cloud, a, full), .size = cloud->size[a]};
+      PetscReal y[DIM];
 
-        Map(&image[i], x, y);
-        ForLines(cells, cloud, a, y, pass ? AddLoad : AddFilled, pass ? (void *)&load : (void *)&filling);
-        PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
-      }
+      Map(&image[i], x, y);
+      ForLines(cells, cloud, a, y, AddLoad, &load);
+      PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
     }
-    if (pass == 0)
-      PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   }
-  PetscCall(PetscFree(solid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -519,6 +540,7 @@ PetscErrorCode GasCellsDestroy(GasCells *cells)
   PetscCall(PetscFree(cells->home));
   PetscCall(PetscFree(cells->mark));
   PetscCall(PetscFree(cells->filled));
+  PetscCall(PetscFree(cells->solid));
   PetscCall(PetscFree(cells->label));
   PetscCall(PetscFree(cells->owner));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -237,6 +237,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gas->matrix, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, moved, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, cloud->comm));
+  if (SceneSolidsMove(cloud->scene)) PetscCall(GasCellsSolid(&gas->now.cells, cloud, PressureFull(pressure)));
   PetscCall(GasCellsRates(&gas->now.cells, cloud, PressureFull(pressure), n, cloud->field[FIELD_VELOCITY_STAR],
                           cloud->field[FIELD_VELOCITY], gas->star, gas->old));
   for (PetscInt i = 0; i < n; i++) { /* the kept share of the pressure leaves the velocity */

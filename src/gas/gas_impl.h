@@ -25,6 +25,8 @@ typedef struct {
   PetscInt      *home;                  /* [near] the block with this number */
   unsigned char *mark;                  /* [near][per] MARK_WET, MARK_CLOSE */
   PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
+  PetscBool      solid_known;
   PetscInt      *label;                 /* [nodes] */
   PetscInt      *owner;                 /* [near][per] the region around, a few cells into the liquid, too */
 } GasCells;
@@ -34,9 +36,10 @@ typedef struct {
 
 /* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud. GasCellsRates - how fast
    the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the velocities v and with w
-   ([n_owned][3], m/s): the derivative of the sums of the cells. full: PressureFull. Collective. GasCellsNode - the node
-   of a cell, -1: full. Not collective. */
+   ([n_owned][3], m/s): the derivative of the sums of the cells; it needs GasCellsSolid if solids move. full:
+   PressureFull. Collective. GasCellsNode - the node of a cell, -1: full. Not collective. */
 PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure);
+PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full);
 PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
                              const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[]);
 PetscErrorCode GasCellsDestroy(GasCells *cells);
