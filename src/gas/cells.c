@@ -429,7 +429,7 @@ static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, c
 {
   Flux *flux = (Flux *)context;
 
-  flux->part = Part(cloud, a, flux->full);
+  flux->part  = Part(cloud, a, flux->full);
   flux->size  = cloud->size[a];
   flux->solid = (PetscBool)(cells->solid_known && cloud->integer[INT_BODY][a] <= BODY_SOLID);
   for (PetscInt s = 0; s < 2; s++) {
@@ -505,8 +505,7 @@ static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const 
     GasLoad *to = &loads->load[loads->count++];
 
     *to = (GasLoad){.dummy = a, .pocket = load->owner[k]};
-    for (PetscInt d = 0; d < DIM; d++)
-      to->unit[d] = Bears(domain, body, x, d) ? image->sign[d] * load->unit[k][d] : 0;
+    for (PetscInt d = 0; d < DIM; d++) to->unit[d] = Bears(domain, body, x, d) ? image->sign[d] * load->unit[k][d] : 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -27,7 +27,7 @@
 void GasForget(Gas *gas)
 {
   gas->rows = gas->gaps = gas->yields = 0;
-  gas->now.count        = 0;
+  gas->now.count                      = 0;
 }
 
 /* The mean pressure of the liquid around particle a. */
@@ -237,7 +237,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gas->matrix, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, moved, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, cloud->comm));
-  if (SceneSolidsMove(cloud->scene)) PetscCall(GasCellsSolid(&gas->now.cells, cloud, PressureFull(pressure)));
+  if (gas->solids_move) PetscCall(GasCellsSolid(&gas->now.cells, cloud, PressureFull(pressure)));
   PetscCall(GasCellsRates(&gas->now.cells, cloud, PressureFull(pressure), n, cloud->field[FIELD_VELOCITY_STAR],
                           cloud->field[FIELD_VELOCITY], gas->star, gas->old));
   for (PetscInt i = 0; i < n; i++) { /* the kept share of the pressure leaves the velocity */
@@ -375,9 +375,5 @@ static PetscErrorCode Press(void *context, Pressure pressure, PetscReal force[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const LowRank GasTerm = {.set_up     = SetUp,
-                         .add        = Add,
-                         .right_side = RightSide,
-                         .solved     = Solved,
-                         .outside    = Outside,
-                         .load       = Press};
+const LowRank GasTerm = {
+  .set_up = SetUp, .add = Add, .right_side = RightSide, .solved = Solved, .outside = Outside, .load = Press};

@@ -89,9 +89,10 @@ static PetscBool On(Stepper stepper)
 /* That of Bernoulli, from the excess of the gas at the start. */
 static PetscReal Speed(Stepper stepper)
 {
-  const Gas      *gas    = GasOf(stepper);
-  const PetscReal hole   = SceneHolePressure(gas->cloud->scene, NULL),
-                  excess = PetscMax(PetscAbsReal(gas->start - gas->ambient), hole > 0 ? PetscAbsReal(hole - gas->ambient) : 0);
+  const Gas      *gas  = GasOf(stepper);
+  const PetscReal hole = SceneHolePressure(gas->cloud->scene, NULL),
+                  excess =
+                    PetscMax(PetscAbsReal(gas->start - gas->ambient), hole > 0 ? PetscAbsReal(hole - gas->ambient) : 0);
 
   return gas->on ? PetscSqrtReal(2 * excess / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
 }
@@ -109,6 +110,14 @@ static PetscErrorCode Restore(Stepper stepper)
   PetscFunctionBegin;
   GasOf(stepper)->found = PETSC_FALSE;
   GasForget(GasOf(stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* After the edges of solids: whether they have moved theirs. */
+static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+{
+  PetscFunctionBegin;
+  GasOf(stepper)->solids_move = *moved;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,12 +252,15 @@ static PetscBool HasHole(Scene scene, Tension tension)
 static const Feature features[] = {{HOLE, HasHole}, {.name = NULL}};
 
 #define DIRECT ": the gas's part of the pressure equation is not in the preconditioner; -ksp_type cg can"
-static const Refusal refusals[] = {
-  {HOLE, NEEDS, "-gas", ""},
-  {"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"}, {"-gas", NEEDS, FEATURE_CENTERED, ", the default"},
-  {"-gas", NEEDS, FEATURE_DIVERGENCE, ", the default"}, {"-gas", NOT_WITH, "-interface_tension", " yet"},
-  {"-ksp_type preonly", NOT_WITH, "-gas", DIRECT},      {"-ksp_type none", NOT_WITH, "-gas", DIRECT},
-  {"-gas", NOT_WITH, FEATURE_DENSITIES, " yet"},        {.one = NULL}};
+static const Refusal refusals[] = {{HOLE, NEEDS, "-gas", ""},
+                                   {"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"},
+                                   {"-gas", NEEDS, FEATURE_CENTERED, ", the default"},
+                                   {"-gas", NEEDS, FEATURE_DIVERGENCE, ", the default"},
+                                   {"-gas", NOT_WITH, "-interface_tension", " yet"},
+                                   {"-ksp_type preonly", NOT_WITH, "-gas", DIRECT},
+                                   {"-ksp_type none", NOT_WITH, "-gas", DIRECT},
+                                   {"-gas", NOT_WITH, FEATURE_DENSITIES, " yet"},
+                                   {.one = NULL}};
 
 const Edge GasEdge = {.name        = GAS_EDGE,
                       .features    = features,
@@ -267,6 +279,7 @@ const Edge GasEdge = {.name        = GAS_EDGE,
                       .report   = Report,
                       .freeze   = Freeze,
                       .restore  = Restore,
+                      .drift    = Drift,
                       .surround = Surround,
                       .doubt    = Doubt,
                       .commit   = Commit,

@@ -27,8 +27,8 @@ typedef struct {
   PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
   PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
   PetscBool      solid_known;
-  PetscInt      *label;                 /* [nodes] */
-  PetscInt      *owner;                 /* [near][per] the region around, a few cells into the liquid, too */
+  PetscInt      *label; /* [nodes] */
+  PetscInt      *owner; /* [near][per] the region around, a few cells into the liquid, too */
 } GasCells;
 
 #define BLOCK_EMPTY (-1)
@@ -121,7 +121,7 @@ typedef struct {
 
 /* The data of the edge. */
 typedef struct {
-  PetscBool on, frozen;
+  PetscBool on, frozen, solids_move;
   PetscReal ambient, exponent, start; /* Pa; p V^exponent is constant; Pa, of the pockets of the start */
   Cloud     cloud;                    /* borrowed */
   Pressure  pressure;                 /* borrowed */

@@ -343,6 +343,7 @@ PetscErrorCode GasFind(Gas *gas)
     if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
   Spread(cells, domain, queue, labelled);
   Measure(&gas->now, domain);
+  for (PetscInt k = 1; k <= gas->now.count; k++) start[k] = gas->ambient;
   if (!gas->before_known) PetscCall(Start(gas, start));
   for (PetscInt k = 1; k <= gas->now.count; k++) {
     Pocket *pocket = &gas->now.pocket[k];
@@ -350,7 +351,7 @@ PetscErrorCode GasFind(Gas *gas)
     /* what was air has the air's pressure, at the start that of the option */
     pocket->amount +=
       air[k] * pocket->volume *
-      (gas->before_known || gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
+      (gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     pocket->tracked += air[k] * pocket->volume;
   }
   gas->found = PETSC_TRUE;
