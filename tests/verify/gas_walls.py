@@ -88,6 +88,8 @@ runs.check_within(series["force_block_y"][-1] / (8e3 * WIDE), 0.99, 1.01, "betwe
 both = lambda y: spring(5e3, 0.5, y) - spring(0, 0.8, -y)  # noqa: E731
 moves("heavy", SPRINGS + "-block_mass 100 -time_step 1e-3 -time_end 0.09", 100, both, 0.01, 0.005)
 moves("light", SPRINGS + "-block_mass 1 -time_step 2e-4 -time_end 0.01", 1, both, 0.02, 0.005)
+stiff = pocket(runs.run(SPRINGS + "-block_mass 1 -time_step 8e-3 -time_end 0.24", "stiff"), 1)  # half a period a step
+runs.check_within(np.ptp(stiff["volume"][-15:]) / WIDE, 0.02, 0.06, "stable_in_long_steps")
 # the force of liquid on one side of a body is some percent wrong with these spacings; at half of them 1 %
 moves("cork", CORK + "-block_mass 5 -time_end 0.12", 125, lambda y: spring(5e3, 0.5, y), 0.04, 0.025)
 
