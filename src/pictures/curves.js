@@ -18,8 +18,9 @@
     const read = {
       setCursor: [function (plot) {
         const k = plot.cursor.idx;
+        const beside = curve.reference ? `, reference ${number(curve.reference[k])}` : '';
         value.textContent = k == null ? '' : `${number(curve.values[k])} ${curve.unit} at ${
-          number(data.time[k])} ${data.unit}`;
+          number(data.time[k])} ${data.unit}${beside}`;
       }],
       ready: [plot => plot.over.addEventListener('click', () => document.dispatchEvent(
         new CustomEvent('moment', {detail: data.time[plot.cursor.idx] / data.factor})))]
@@ -29,8 +30,9 @@
       pxAlign: false, cursor: {sync: {key: 'time'}, y: false, drag: {x: false, y: false}},
       scales: {x: {time: false}},
       axes: [{values: marked(data.unit), size: 28, space: 90}, {values: marked(curve.unit), size: 90, space: 25}],
-      series: [{}, {stroke: '#0072B2', width: 1.5, pxAlign: 0, points: {show: false}}]
-    }, [data.time, curve.values], place);
+      series: [{}, {stroke: '#0072B2', width: 1.5, pxAlign: 0, points: {show: false}}, ...(curve.reference ? [
+        {stroke: '#444', width: 1.2, dash: [6, 4], pxAlign: 0, points: {show: false}}] : [])]
+    }, [data.time, curve.values, ...(curve.reference ? [curve.reference] : [])], place);
   }
 
   /* Groups of curves; the first is open, the others, if all are not few, draw themselves when they are opened, since they have no width

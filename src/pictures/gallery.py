@@ -21,6 +21,7 @@ import tables
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..")
 SCENES = {"drop_impact": "axisymmetric.opts"}  # in place of case.opts: seconds, not minutes
+SHARED = "scripts"  # folder of the site with what all reports share
 STATES, TRIANGLES, DOTS = 8, 2500, 80  # of a report, and dots an inch of its pictures, so that 40 of them are small
 PAGES = ("README.md", "CONTRIBUTING.md", "cases/*.md", "cases/*/*.md", "options/*.md", "tests/README.md",
          "tests/*/README.md")
@@ -45,17 +46,19 @@ def ran(names, limit, jobs):
         return dict(zip(names, pool.map(one, names)))
 
 
-def reported(run, place):
-    """Draws the report of a run, unless it is there, and puts it and its first picture into a folder of the site."""
-    report = os.path.join(run.folder, "report.html")
-    commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES))
+def reported(run, place, reference=None):
+    """Draws the report of a run, unless it is there, and puts it and its first picture into a folder of the site.
+    reference: a file of the case to be shown beside it."""
+    page_of = os.path.join(run.folder, "report.html")
+    commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES, "--scripts",
+                                                 f"../../{SHARED}", *(["--reference", reference] if reference else [])))
     series = os.path.join(run.folder, "series.csv")
-    if not os.path.exists(report) or os.path.getmtime(report) < os.path.getmtime(series):
+    if not os.path.exists(page_of) or os.path.getmtime(page_of) < os.path.getmtime(series):
         for name, *flags in commands:
             command = [sys.executable, os.path.join(HERE, name), run.folder, *map(str, flags)]
             if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its
                 subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # display to another program
-    shutil.copy(report, os.path.join(place, "report.html"))
+    shutil.copy(page_of, os.path.join(place, "report.html"))
     drawn = [os.path.join(run.folder, "figures", name) for name in ("surface.png", "section.png")]
     shutil.copy(next(path for path in drawn if os.path.exists(path)), os.path.join(place, "run.png"))
 
@@ -119,11 +122,15 @@ def main():
     for path in found(f"{folder}/*{ending}" for folder in (".", "cases/*", "options", "tests/*") for ending in FILES):
         os.makedirs(os.path.dirname(os.path.join(output, path)), exist_ok=True)
         shutil.copy(path, os.path.join(output, path))
+    os.makedirs(os.path.join(output, SHARED), exist_ok=True)
+    for path in report.SCRIPTS:
+        shutil.copy(path, os.path.join(output, SHARED))
     runs = ran(names, arguments.limit, arguments.jobs)
     for name, run in runs.items():
         print(f"{name}: {run}", flush=True)
         if not isinstance(run, str):
-            reported(run, os.path.join(output, "cases", name))
+            reference = os.path.join("cases", name, "reference.csv")
+            reported(run, os.path.join(output, "cases", name), reference if os.path.exists(reference) else None)
     for path in found(PAGES):
         name = os.path.basename(os.path.dirname(path))
         own = path == os.path.join("cases", name, "README.md") and name in runs
@@ -141,6 +148,7 @@ if __name__ == "__main__":
     with tables.polite("gallery.py"):
         import concurrent.futures
         import markdown
+        import report
         sys.path.insert(0, os.path.join(HERE, "..", "python"))
         import isph
         main()

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """One page that shows a run: report.html in its folder, which needs no other file.
 
-    report.py RUN_FOLDER [--states 25] [--triangles 20000]          make report RUN=...
+    report.py RUN_FOLDER [--states 25] [--triangles 20000] [--reference FILE]          make report RUN=...
 
 It has scene, liquids, walls, dimensionless numbers, the liquid through time to turn and play, pictures, curves to point
 at, the energies, the cost of the run, its messages and options, and how to cite. The pictures are those of figures/;
 missing pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most
-particles.
+particles. --reference: a table with columns of the series' names, which the curves show beside the run's. --scripts: an
+address from which the page takes its scripts (SCRIPTS), so that many pages share them.
 """
 import argparse
 import base64
@@ -25,6 +26,7 @@ THREE = "/usr/share/javascript/three"
 VIEWER = [os.path.join(THREE, name) for name in ("three.min.js", "examples/js/controls/OrbitControls.js")]
 PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and jet beside the reference"),
             ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"))
+SCRIPTS = [*VIEWER, *(os.path.join(HERE, name) for name in ("viewer.js", "uplot/uPlot.iife.min.js", "curves.js"))]
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge", "Ca": "capillary"}
 GROUPS = ("Measured", "Forces", "Energies")  # of curves, in this order
 LINES = 2000  # most of the series that the curves have
@@ -126,10 +128,13 @@ def text_file(folder, name, title):
         raise tables.RunError(f"{error.filename}: {error.strerror}.") from error
 
 
-def script(paths):
-    """Scripts as parts of the page."""
+def script(paths, address):
+    """Scripts as parts of the page, or from an address."""
     text = ""
     for path in paths:
+        if address:
+            text += f'<script src="{address}/{os.path.basename(path)}"></script>\n'
+            continue
         with open(path, encoding="utf-8") as file:
             text += f"<script>{file.read()}</script>\n"
     return text
@@ -139,9 +144,9 @@ def here(*names):
     return [os.path.join(HERE, name) for name in names]
 
 
-def part(name, values, scripts):
+def part(name, values, scripts, address):
     """Data of the page and the scripts that read them."""
-    return f'<script id="{name}" type="application/json">{json.dumps(values)}</script>\n{script(scripts)}'
+    return f'<script id="{name}" type="application/json">{json.dumps(values)}</script>\n{script(scripts, address)}'
 
 
 def through_time(run, arguments):
@@ -156,7 +161,7 @@ def through_time(run, arguments):
             '<label>colour <select id="color"></select></label></p>\n'
             '<div id="scale" class="turn"></div>\n'
             f'<p class="small turn">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
-            f'{len(found["states"])} times.</p>\n{part("states", found, [*VIEWER, *here("viewer.js")])}')
+            f'{len(found["states"])} times.</p>\n{part("states", found, SCRIPTS[:3], arguments.scripts)}')
 
 
 def group_of(row):
@@ -166,8 +171,18 @@ def group_of(row):
     return "Forces" if row["unit"] in ("N", "N/m") else "Measured"
 
 
-def curves(series, rows):
+def beside(path):
+    """The table of a reference and what its first line says of it; nothing without a path."""
+    if not path:
+        return {}, ""
+    with open(path, encoding="utf-8") as file:
+        first = file.readline()
+    return tables.read_table(path), first[1:].strip() if first.startswith("#") else os.path.basename(path)
+
+
+def curves(series, rows, arguments):
     """The part of the page with the curves; empty if nothing changes."""
+    reference, said = beside(arguments.reference)
     every = -(-len(series["time"]) // LINES)
     factor, unit = columns.prefixed(max(map(abs, series["time"])), "s")
 
@@ -178,7 +193,11 @@ def curves(series, rows):
     for name, values in columns.chosen(series, rows).items():
         words, unit_of = columns.title(rows[name])
         scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
-        groups[group_of(rows[name])].append({"title": words, "unit": unit_of or "", "values": thinned(values, scale)})
+        curve = {"title": words, "unit": unit_of or "", "values": thinned(values, scale)}
+        if name in reference:
+            there = np.interp(series["time"], reference["time"], reference[name], np.nan, np.nan)
+            curve["reference"] = thinned(there, scale)
+        groups[group_of(rows[name])].append(curve)
     found = [{"title": title, "curves": curves} for title, curves in groups.items() if curves]
     if not found:
         return ""
@@ -186,8 +205,11 @@ def curves(series, rows):
     with open(here("uplot/uPlot.min.css")[0], encoding="utf-8") as style, \
             open(here("uplot/LICENSE")[0], encoding="utf-8") as licence:
         head = f"<!-- uPlot:\n{licence.read()}-->\n<style>{style.read()}</style>\n"
-    return ('<h2>Curves</h2>\n<p class="small">Point at a time to read all values; click to see the liquid then.</p>\n'
-            f'{head}<div id="curves"></div>\n{part("series", values, here("uplot/uPlot.iife.min.js", "curves.js"))}')
+    text = "Point at a time to read all values; click to see the liquid then."
+    if any("reference" in curve for group in found for curve in group["curves"]):
+        text += f" Dashed: {html.escape(said)}"
+    return (f'<h2>Curves</h2>\n<p class="small">{text}</p>\n{head}<div id="curves"></div>\n'
+            f'{part("series", values, SCRIPTS[3:], arguments.scripts)}')
 
 
 def pictures(folder, files):
@@ -213,13 +235,15 @@ def main():
     parser.add_argument("--states", type=int, default=25, help="number of times of the liquid (25)")
     parser.add_argument("--triangles", type=int, default=20000,
                         help="most triangles of the surface, or particles, at a time (20000)")
+    parser.add_argument("--reference", metavar="FILE", help="a table whose columns are drawn beside those of the run")
+    parser.add_argument("--scripts", metavar="ADDRESS", help="where the scripts are, if not in the page")
     arguments = parser.parse_args()
     if not os.path.exists(VIEWER[0]):
         raise tables.RunError("the view of the liquid needs three.js: apt-get install libjs-three")
     run = data.Run(arguments.folder)
     scene, series = run.scene, tables.read_series(arguments.folder)
     body = ("<h2>Scene</h2>\n" + setting(scene) + liquids(scene) + "\n" + through_time(run, arguments)
-            + pictures(arguments.folder, run.files) + curves(series, run.rows)
+            + pictures(arguments.folder, run.files) + curves(series, run.rows, arguments)
             + "<h2>Where the energy went</h2>\n" + energy(series, run.rows) + "<h2>What it cost</h2>\n"
             + cost(series, scene) + "<h2>Messages and options</h2>\n"
             + text_file(arguments.folder, "log.txt", "What the program said, with its budget of errors")

@@ -13,6 +13,7 @@ from vtkmodules.vtkFiltersCore import vtkBinnedDecimation, vtkQuadricDecimation
 
 import columns
 import run as data
+import solids
 import surface
 import views
 from display import together
@@ -149,15 +150,25 @@ def coarseness(run, state, most):
     return min(max(ratio if run.rings else np.sqrt(ratio), 1), COARSEST)
 
 
+def fans(shapes):
+    """Points and triangles of convex outlines [n][2] in the plane z = 0."""
+    start = np.cumsum([0] + [len(shape) for shape in shapes])
+    points = np.concatenate([np.zeros((0, 2)), *shapes])
+    cells = [[(first, first + k, first + k + 1) for k in range(1, len(shape) - 1)] for first, shape in zip(start, shapes)]
+    return np.column_stack([points, np.zeros(len(points))]), np.array(sum(cells, [])).reshape(-1, 3)
+
+
 def solid(run, state, most):
-    """Points and triangles (in two dimensions None) of the solids."""
+    """Points and triangles of the solids; in two dimensions, unless all their outlines are known, particles and None."""
     if run.dim == 2:
-        return state.solid, None
+        shapes, exact = solids.outlines(run, state.path) if len(state.solid) else ([], [])
+        return fans(shapes) if np.isin(state.solid_of, exact).all() else (state.solid, None)
     points, _, cells = views.solid_mesh(run, state)
     points, cells = np.asarray(points, float), np.asarray(cells)
     if len(cells) > most:  # flat faces share no corners
         points, at = np.unique(points, axis=0, return_inverse=True)
         cells = at.ravel()[cells]
+        cells = cells[(cells != np.roll(cells, 1, axis=1)).all(axis=1)]  # not the empty ones, as at poles
     return thin(points, cells, most)
 
 
@@ -188,7 +199,7 @@ def moment(run, most, coarser, path):
 
 def scene(run, count, most):
     """All that viewer.js draws; None if there is no liquid."""
-    shapes, parts, seen, solids = Shapes(run), [], {name: [] for name in COLORS}, []
+    shapes, parts, seen, rigid = Shapes(run), [], {name: [] for name in COLORS}, []
     bodies, last, several = len(run.bodies), None, False
     paths = [path for _, path in run.moments(count=count)]
     coarser = coarseness(run, run.read(paths[0]), most)
@@ -200,12 +211,12 @@ def scene(run, count, most):
         if last is None or not np.array_equal(last.solid, state.solid):
             last = SimpleNamespace(points=points, solid=state.solid)
             places, corners = solid(run, state, most // 2)
-            solids.append(shapes.discs(places, np.ones(len(places))) if corners is None else
+            rigid.append(shapes.discs(places, np.ones(len(places))) if corners is None else
                           shapes.mesh(places, corners))
         for k, name in enumerate(COLORS):
             seen[name].append(table[:, bodies + k])
         shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells, normals)
-        shape.update(time=state.time, text=data.duration(state.time), solid=len(solids) - 1)
+        shape.update(time=state.time, text=data.duration(state.time), solid=len(rigid) - 1)
         if bodies > 1:
             shape["colors"] = packed(SHADES * views.base_colors(table[:, :bodies], "body", None, None), "u1")
         parts.append((shape, SimpleNamespace(points=points, solid=state.solid)))
@@ -225,7 +236,7 @@ def scene(run, count, most):
             "bodies": [{"name": name, "color": views.BODY_COLORS[k % len(views.BODY_COLORS)]}
                        for k, name in enumerate(run.bodies)],
             "walls": shapes.mesh(quads.reshape(-1, 3), np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])),
-            "solids": solids, "colorings": colors, "states": [shape for shape, _ in parts],
+            "solids": rigid, "colorings": colors, "states": [shape for shape, _ in parts],
             **camera(run, [points for _, points in parts])}
 
 

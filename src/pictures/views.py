@@ -1,6 +1,6 @@
 """Views of one state: a section with matplotlib; the liquid's surface in perspective or from above with VTK."""
 import numpy as np
-from matplotlib.collections import EllipseCollection
+from matplotlib.collections import EllipseCollection, PolyCollection
 
 import solids
 import surface
@@ -36,7 +36,8 @@ def section(axes, run, state, color, ends, unit):
     factor on m."""
     pair = (0, run.up)
     chosen = np.ones(len(state.points), bool)
-    solid = state.solid
+    shapes, exact = solids.outlines(run, state.path) if len(state.solid) else ([], [])
+    solid = state.solid[~np.isin(state.solid_of, exact)]
     if run.dim == 3:
         middle = 0.5 * (run.lower[1] + run.upper[1])
         chosen = np.abs(state.points[:, 1] - middle) <= 0.75 * run.spacing * state.size
@@ -49,6 +50,8 @@ def section(axes, run, state, color, ends, unit):
 
     if len(solid):
         discs(solid, np.ones(len(solid)), facecolors=SOLID_COLOR)
+    if shapes:
+        axes.add_collection(PolyCollection([unit * shape for shape in shapes], facecolors=SOLID_COLOR, linewidths=0))
     points, size = state.points[chosen], state.size[chosen]
     if color == "body":
         discs(points, size, facecolors=[BODY_COLORS[b % len(BODY_COLORS)] for b in state.body[chosen]])
@@ -176,8 +179,9 @@ def base_colors(table, color, ends, colormap):
 def solid_mesh(run, state):
     """Points, normals and triangles of the solids: as they are where their triangles are known, else the contour of
     their dummy particles."""
-    (points, normals, cells), exact = solids.drawn(run, state.path) if len(state.solid) else (solids.flat(
-        np.zeros((0, 3, 3))), [])
+    nothing = np.zeros((0, 3))
+    (points, normals, cells), exact = solids.drawn(run, state.path) if len(state.solid) else (
+        (nothing, nothing, nothing.astype(int)), [])
     rest = state.solid[~np.isin(state.solid_of, exact)]
     if len(rest):
         more = Fluid(run, rest, np.zeros((len(rest), 1)), *np.ones((2, len(rest)))).mesh()

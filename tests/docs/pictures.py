@@ -5,9 +5,11 @@ import argparse
 import json
 import os
 import sys
+import types
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import h5py  # noqa: E402
+import matplotlib.collections  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 import columns  # noqa: E402
@@ -197,6 +199,50 @@ sides = {tuple(side) for side in np.round(np.abs(normals @ turn), 6)}
 runs.check(which == [0] and len(cells) == 12 and sides == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}, "faces_are_flat", sides)
 outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0))
 runs.check(np.all(outward > 0), "faces_look_out", outward.min())
+
+
+def held(corners, normals):
+    """The volume within triangles, and how well their normals fit their sides at worst."""
+    side = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(side, axis=1)
+    fit = np.einsum("nij,nj->ni", normals, side) / np.maximum(size, 1e-300)[:, None]
+    return np.einsum("ni,ni->n", corners[:, 0], side).sum() / 6, fit[size > 1e-9].min()
+
+
+# round solids, and what an outline sweeps about the axis: their volumes, and normals that look out
+tilt = (np.array([1, 2, 2]) / 3).tolist()
+bounds = {"lower": [-1, -1, -1], "upper": [1, 1, 2], "holes": []}
+numbers = {"sphere": {"center": [0.1, 0, 0.2], "radius": 0.5}, "ellipsoid": {"center": [0, 0, 0], "radii": [0.5, 0.2, 0.4]},
+           "cylinder": {"center": [0, 0.3, 0], "radius": 0.3, "height": 0.8, "axis": tilt}}
+volumes = {"sphere": np.pi / 6, "ellipsoid": 4 / 3 * np.pi * 0.04, "cylinder": np.pi * 0.09 * 0.8}
+for kind, given in numbers.items():
+    volume, fit = held(*exact.round_one({"shape": {"type": kind, "numbers": given}, **bounds}))
+    runs.check_within(volume / volumes[kind], 0.99, 1, f"volume_of_a_{kind}")
+    runs.check(fit > 0.9, f"normals_of_a_{kind}", fit)
+long = {"center": [0, 0, 0], "radius": 0.3, "height": 0, "axis": [0, 0, 1]}
+corners, _ = exact.round_one({"shape": {"type": "cylinder", "numbers": long}, **bounds})
+close((corners[..., 2].min(), corners[..., 2].max()), (-1, 2), "a_cylinder_without_height_ends_at_the_box")
+flat = types.SimpleNamespace(dim=2, rings=False)
+ring = exact.outline(flat, {"shape": {"type": "sphere", "numbers": {"center": [0, 0.2], "radius": 0.5}}, "holes": []})
+volume, fit = held(*exact.swept(ring))
+runs.check_within(volume / volumes["sphere"], 0.99, 1, "volume_of_a_sphere_of_rings")
+runs.check(fit > 0.9, "normals_of_a_sphere_of_rings", fit)
+# a plane: the outline of a disc that moved, in its section and in the page
+flat = write(runs.scratch("plane"), (0, 0.01), (0, 0, 0), (1, 1, 0), "-bodies water\n", [((0.1, 0.1, 0), (0, 0, 0), 1, 1)],
+             [((0.5, 0.5, 0), 0)], [((0.5, 0.5, 0), 0)], dimension=2)
+flat.scene["solids"] = [{"name": "disc", "shape": {"type": "sphere", "numbers": {"center": [0.5, 0.5], "radius": 0.1}},
+                         "holes": [], "free": False, "driven": True}]
+flat.scene["time_start"] = flat.files[0][0]
+later = {k: place + [0.2, 0.1, 0] for k, place in first.items()}
+exact.places = lambda path, index: first if path == flat.files[0][1] else later
+then = flat.read(flat.files[1][1])
+figure, axes = pictures.grid(1)
+views.section(axes[0], flat, then, "body", None, 1)
+drawn = [one for one in axes[0].collections if isinstance(one, matplotlib.collections.PolyCollection)]
+path = drawn[0].get_paths()[0].vertices if drawn else np.zeros((1, 2))
+close(np.hypot(*(path[:-1] - [0.7, 0.6]).T), np.full(exact.CORNERS, 0.1), "outline_of_a_disc_that_moved")
+points, cells = viewer.solid(flat, then, 1000)
+runs.check(len(cells) == exact.CORNERS - 2 and cells.max() == exact.CORNERS - 1, "disc_of_the_page", len(cells))
 run.scene["solids"] = []
 
 # moments: a wave that swings more often than there are pictures is shown at its crests
