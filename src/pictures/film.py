@@ -26,6 +26,7 @@ def frame(run, state, arguments, ends, view, path):
         lower, upper = arguments.window
         unit, name = data.scale(upper[0] - lower[0])
         views.section(axes, run, state, arguments.color, ends, unit)
+        gas.draw(axes, run, state, unit)
         axes.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
         axes.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
     else:
@@ -77,6 +78,7 @@ if __name__ == "__main__":
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
         with_display()
+        import gas
         import pictures
         import run as data
         import views

@@ -28,6 +28,7 @@ with tables.polite("pictures.py"):
     if __name__ == "__main__":
         with_display()
     import columns
+    import gas
     import run as data
     import views
 
@@ -82,6 +83,7 @@ def sections(run, states, arguments, ends, folder):
     figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.9), columns)
     for panel, state in zip(axes, states):
         views.section(panel, run, state, arguments.color, ends, unit)
+        gas.draw(panel, run, state, unit)
         panel.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
         panel.set_title(f"t = {data.duration(state.time)}", fontsize=10)
         panel.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")

@@ -23,8 +23,8 @@ def box_of(low, high):
 
 
 def outline(run, solid):
-    """Corners [n][2] (m) of a convex solid of scene.json in a plane, or of its section if it is of rings; None: its shape
-    has no such outline, or holes."""
+    """Corners [n][2] (m) of a convex solid of scene.json in a plane, or of its section if it is of rings; None: its
+    shape has no such outline, or holes."""
     numbers, kind = solid["shape"].get("numbers", {}), solid["shape"]["type"]
     turn = np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
     way = np.array(numbers.get("axis") or [0, 0, 1], float)
@@ -67,7 +67,8 @@ def round_one(solid):
     _, one, other = np.linalg.svd(axis[None])[2]
     frame = np.stack([one, other, np.cross(one, other)])  # across the axis, and along it
     along = (box_of(solid["lower"], solid["upper"]).reshape(-1, 3) - center) @ frame[2]  # one without height ends there
-    low, high = (-0.5 * numbers["height"], 0.5 * numbers["height"]) if numbers.get("height") else (along.min(), along.max())
+    half = 0.5 * numbers.get("height", 0)
+    low, high = (-half, half) if half else (along.min(), along.max())
     wall = patches(1, CORNERS, lambda u, v: around(1 + 0 * u, v, radius) + (high + (low - high) * u) * UP)
     lid = patches(1, CORNERS, lambda u, v: around(u, v, radius))
     corners = np.concatenate([wall, lid + high * UP, lid * [1, -1, 1] + low * UP])
@@ -152,8 +153,8 @@ def moved(run, path, index):
 
 
 def outlines(run, path):
-    """The outlines of solids in the plane of sections at a snapshot, [n][2] (m) each, with their images, and the indices
-    of these solids. Not of runs in space, whose solids nothing cuts here."""
+    """The outlines of solids in the plane of sections at a snapshot, [n][2] (m) each, with their images, and the
+    indices of these solids. Not of runs in space, whose solids nothing cuts here."""
     found, which = [], []
     for index, solid in enumerate(run.scene.get("solids", ()) if run.dim == 2 or run.rings else ()):
         corners, motion = outline(run, solid), moved(run, path, index)

@@ -82,9 +82,17 @@
     return new THREE.MeshPhongMaterial({side: THREE.DoubleSide, shininess: 60, specular: 0x222222, ...style});
   }
 
-  function faint(shape, opacity) {
-    const style = {color: data.solidColor, transparent: true, opacity: opacity, depthWrite: false};
+  function faint(shape, opacity, color = data.solidColor) {
+    const style = {color: color, transparent: true, opacity: opacity, depthWrite: false};
     return new THREE.Mesh(geometry(shape), material(style));
+  }
+
+  /* Pockets of gas show through the liquid that encloses them. */
+  function pockets(shape) {
+    const mesh = faint(shape, 0.35, data.gasColor);
+    mesh.material.depthTest = false;
+    mesh.renderOrder = 1;
+    return mesh;
   }
 
   function draw() {
@@ -100,6 +108,7 @@
     });
     const style = colors ? {vertexColors: THREE.VertexColors} : {color: data.bodies[0].color};
     drawn = [new THREE.Mesh(geometry(state, colors), material(style)), faint(data.solids[state.solid], 0.5)];
+    if ('gas' in state) drawn.push(pockets(state.gas));
     drawn.forEach(mesh => scene.add(mesh));
     label.textContent = state.text;
     slider.value = number;

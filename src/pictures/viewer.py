@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkBinnedDecimation, vtkQuadricDecimation
 
 import columns
+import gas
 import run as data
 import solids
 import surface
@@ -154,12 +155,13 @@ def fans(shapes):
     """Points and triangles of convex outlines [n][2] in the plane z = 0."""
     start = np.cumsum([0] + [len(shape) for shape in shapes])
     points = np.concatenate([np.zeros((0, 2)), *shapes])
-    cells = [[(first, first + k, first + k + 1) for k in range(1, len(shape) - 1)] for first, shape in zip(start, shapes)]
+    cells = [[(first, first + k, first + k + 1) for k in range(1, len(shape) - 1)]
+             for first, shape in zip(start, shapes)]
     return np.column_stack([points, np.zeros(len(points))]), np.array(sum(cells, [])).reshape(-1, 3)
 
 
 def solid(run, state, most):
-    """Points and triangles of the solids; in two dimensions, unless all their outlines are known, particles and None."""
+    """Points and triangles of the solids; in two dimensions, unless all outlines are known, particles and None."""
     if run.dim == 2:
         shapes, exact = solids.outlines(run, state.path) if len(state.solid) else ([], [])
         return fans(shapes) if np.isin(state.solid_of, exact).all() else (state.solid, None)
@@ -192,9 +194,12 @@ def colorings(run, seen, several):
 
 
 def moment(run, most, coarser, path):
-    """A state and its liquid()."""
+    """A state, points and triangles of its gas (None: the run has none), and its liquid()."""
     state = run.read(path)
-    return state, *liquid(run, state, most, coarser)
+    pockets = gas.Pockets(run, state).mesh() if gas.wanted(run) else None
+    if pockets is not None and run.dim == 3:
+        pockets = thin(*pockets, most // 2)
+    return state, pockets, *liquid(run, state, most, coarser)
 
 
 def scene(run, count, most):
@@ -204,7 +209,7 @@ def scene(run, count, most):
     paths = [path for _, path in run.moments(count=count)]
     coarser = coarseness(run, run.read(paths[0]), most)
     states = together(functools.partial(moment, run, most, coarser), paths, "moments of the view")
-    for state, points, cells, size, normals, table in states:
+    for state, pockets, points, cells, size, normals, table in states:
         several = several or state.size.max(initial=0) > SEVERAL * state.size.min(initial=np.inf)
         if not len(points):
             continue
@@ -216,6 +221,8 @@ def scene(run, count, most):
         for k, name in enumerate(COLORS):
             seen[name].append(table[:, bodies + k])
         shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells, normals)
+        if pockets is not None and len(pockets[0]):
+            shape["gas"] = shapes.mesh(*pockets)
         shape.update(time=state.time, text=data.duration(state.time), solid=len(rigid) - 1)
         if bodies > 1:
             shape["colors"] = packed(SHADES * views.base_colors(table[:, :bodies], "body", None, None), "u1")
@@ -232,7 +239,7 @@ def scene(run, count, most):
     corners = np.arange(4 * len(quads)).reshape(-1, 4)
     return {"lower": list(shapes.lower), "step": list(shapes.span / STEPS), "flat": run.dim == 2,
             "box": None if run.rings else [list(run.lower), list(run.upper)], "angle": views.ANGLE,
-            "solidColor": views.SOLID_COLOR,
+            "solidColor": views.SOLID_COLOR, "gasColor": gas.COLOR,
             "bodies": [{"name": name, "color": views.BODY_COLORS[k % len(views.BODY_COLORS)]}
                        for k, name in enumerate(run.bodies)],
             "walls": shapes.mesh(quads.reshape(-1, 3), np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])),

@@ -40,6 +40,10 @@ with open(os.path.join(case, "README.html"), encoding="utf-8") as file:
     text = file.read()
 runs.check(re.search(r"\d+ particles, \d+ steps, \S+ s on one core", text) and "<table>" in text, "page_of_a_case",
            text[:600])
+with open(os.path.join(case, "report.html"), encoding="utf-8") as file:
+    shared = re.findall('<script src="([^"]+)"', file.read())
+runs.check(len(shared) == 5 and all(os.path.exists(os.path.join(case, path)) for path in shared), "shared_scripts",
+           str(shared))
 runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "run.png")),
            "report_of_a_case", str(os.listdir(case)))
 sys.path.insert(0, os.path.join(runs.ROOT, "src", "pictures"))

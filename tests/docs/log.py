@@ -131,7 +131,8 @@ if runs.check(found is not None, "loss_of_a_collision", text[-900:]):
 
 # By which faces liquid left.
 text = log(runs.run("-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_xmin wall -bodies a,b "
-                    "-a_upper 0.1,0.5 -b_lower 0.9,0.5 -b_upper 1,1 -a_velocity 0,-5 -b_velocity 5,0 -time_end 0.01", "leaving"))
+                    "-a_upper 0.1,0.5 -b_lower 0.9,0.5 -b_upper 1,1 -a_velocity 0,-5 -b_velocity 5,0 -time_end 0.01",
+                    "leaving"))
 found = re.search(r"(\d+) particles left through open faces \(xmax (\d+), ymin (\d+)\)", text)
 runs.check(found and int(found[1]) == int(found[2]) + int(found[3]) and int(found[2]) >= 10 and 1 < int(found[3]) < 5,
            "faces_by_which_liquid_left", text[-900:])

@@ -13,6 +13,7 @@ import matplotlib.collections  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 import columns  # noqa: E402
+import gas  # noqa: E402
 import pictures  # noqa: E402
 import report  # noqa: E402
 import run as data  # noqa: E402
@@ -66,8 +67,9 @@ def write(folder, times, lower, upper, options, liquid, solid=(), moved=(), **mo
             file["velocity"] = np.array([row[1] for row in liquid] + [(0, 0, 0)] * len(rest), float)
             file["pressure"] = np.array([row[2] for row in liquid] + [0] * len(rest), float)
             file["volume"] = np.array([row[3] for row in liquid] + [0] * len(rest), float) * more.get("each", D0**3)
-            for name, value in (("time", time), ("dimension", more.get("dimension", 3)), ("spacing", D0),
-                                ("box_lower", lower), ("box_upper", upper), ("axisymmetric", more.get("rings", 0))):
+            for name, value in (("time", time), ("dimension", more.get("dimension", 3)),
+                                ("spacing", more.get("spacing", D0)), ("box_lower", lower), ("box_upper", upper),
+                                ("axisymmetric", more.get("rings", 0))):
                 file.attrs[name] = value
     return data.Run(folder)
 
@@ -212,7 +214,8 @@ def held(corners, normals):
 # round solids, and what an outline sweeps about the axis: their volumes, and normals that look out
 tilt = (np.array([1, 2, 2]) / 3).tolist()
 bounds = {"lower": [-1, -1, -1], "upper": [1, 1, 2], "holes": []}
-numbers = {"sphere": {"center": [0.1, 0, 0.2], "radius": 0.5}, "ellipsoid": {"center": [0, 0, 0], "radii": [0.5, 0.2, 0.4]},
+numbers = {"sphere": {"center": [0.1, 0, 0.2], "radius": 0.5},
+           "ellipsoid": {"center": [0, 0, 0], "radii": [0.5, 0.2, 0.4]},
            "cylinder": {"center": [0, 0.3, 0], "radius": 0.3, "height": 0.8, "axis": tilt}}
 volumes = {"sphere": np.pi / 6, "ellipsoid": 4 / 3 * np.pi * 0.04, "cylinder": np.pi * 0.09 * 0.8}
 for kind, given in numbers.items():
@@ -228,8 +231,8 @@ volume, fit = held(*exact.swept(ring))
 runs.check_within(volume / volumes["sphere"], 0.99, 1, "volume_of_a_sphere_of_rings")
 runs.check(fit > 0.9, "normals_of_a_sphere_of_rings", fit)
 # a plane: the outline of a disc that moved, in its section and in the page
-flat = write(runs.scratch("plane"), (0, 0.01), (0, 0, 0), (1, 1, 0), "-bodies water\n", [((0.1, 0.1, 0), (0, 0, 0), 1, 1)],
-             [((0.5, 0.5, 0), 0)], [((0.5, 0.5, 0), 0)], dimension=2)
+flat = write(runs.scratch("plane"), (0, 0.01), (0, 0, 0), (1, 1, 0), "-bodies water\n",
+             [((0.1, 0.1, 0), (0, 0, 0), 1, 1)], [((0.5, 0.5, 0), 0)], [((0.5, 0.5, 0), 0)], dimension=2)
 flat.scene["solids"] = [{"name": "disc", "shape": {"type": "sphere", "numbers": {"center": [0.5, 0.5], "radius": 0.1}},
                          "holes": [], "free": False, "driven": True}]
 flat.scene["time_start"] = flat.files[0][0]
@@ -244,6 +247,36 @@ close(np.hypot(*(path[:-1] - [0.7, 0.6]).T), np.full(exact.CORNERS, 0.1), "outli
 points, cells = viewer.solid(flat, then, 1000)
 runs.check(len(cells) == exact.CORNERS - 2 and cells.max() == exact.CORNERS - 1, "disc_of_the_page", len(cells))
 run.scene["solids"] = []
+
+# gas: a void of radius 0.15 in a tank is a pocket, a notch that is open above is none, nor what is within a solid
+x, y = np.meshgrid(0.01 * (np.arange(100) + 0.5), 0.01 * (np.arange(80) + 0.5), indexing="ij")
+places = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+void = np.hypot(*(places[:, :2] - [0.3, 0.4]).T) < 0.15
+notch = (np.abs(places[:, 0] - 0.7) < 0.05) & (places[:, 1] > 0.5)
+block = np.abs(places[:, :2] - [0.75, 0.25]).max(axis=1) < 0.15
+shell = block & (np.abs(places[:, :2] - [0.75, 0.25]).max(axis=1) > 0.11)
+liquid = [(tuple(place), (0, 0, 0), 0, 1) for place in places[~void & ~notch & ~block]]
+tank = write(runs.scratch("tank"), (0, 0.5), (0, 0, 0), (1, 1, 0), "-box_x wall\n-box_ymin wall\n-bodies water\n",
+             liquid, [(tuple(place), 0) for place in places[shell]], dimension=2, each=1e-4, spacing=0.01)
+tank.scene["solids"], tank.scene["options"] = [], [{"name": "-gas", "value": ""}]
+with open(os.path.join(tank.folder, "pockets.csv"), "w", encoding="utf-8") as file:
+    file.write("time_s,step,pocket,volume_m2,pressure_Pa,amount_m2,x_m,y_m,z_m\n0,1,1,1,7,1,0.3,0.4,0\n"
+               "0.5,2,1,1,1500,1,0.31,0.4,0\n0.5,2,2,1,99,1,0.9,0.1,0\n")
+found = gas.Pockets(tank, tank.read(tank.files[1][1]))
+runs.check(gas.wanted(tank) and len(found.every) == 1, "pockets_of_gas", found.every)
+close(found.every[0][0], (0.3, 0.4), "centre_of_a_pocket", 0.02)
+runs.check(found.every[0][1] == 1500, "pressure_of_a_pocket", found.every)
+points, cells = found.mesh()
+one, two, three = (points[cells[:, k]] for k in range(3))
+area = 0.5 * np.abs(np.cross(two - one, three - one)[:, 2]).sum()
+runs.check_within(area / (np.pi * 0.15**2), 0.9, 1.1, "area_of_a_pocket")
+runs.check(np.hypot(*(points[:, :2] - [0.3, 0.4]).T).max() < 0.17, "a_pocket_is_where_it_is", points.max(axis=0))
+figure, axes = pictures.grid(1)
+gas.draw(axes[0], tank, tank.read(tank.files[1][1]), 1e3)
+runs.check([text.get_text() for text in axes[0].texts] == ["1.5 kPa"] and len(axes[0].collections) > 0,
+           "gas_of_a_section", [text.get_text() for text in axes[0].texts])
+tank.scene["options"] = [{"name": "-gas", "value": "false"}]
+runs.check(not gas.wanted(tank), "no_gas", "it was")
 
 # moments: a wave that swings more often than there are pictures is shown at its crests
 swing = data.Run.__new__(data.Run)

@@ -74,6 +74,18 @@ for name, wanted in (("the scene", "Box of 4 by 4 by 4 m, spacing 0.125 m"),
     runs.check(wanted in page, f"the page has {name}", wanted)
 runs.check("{{" not in page.split("<script")[0] and not re.search(r'(src|href)="(?!data:)', page),
            "the page loads nothing")
+runs.check('"reference"' not in page and "<script src" not in page, "a page of its own", page[-300:])
+series = runs.series(ball)
+with open(runs.scratch("beside.csv"), "w", encoding="utf-8") as file:
+    file.write("# Half of it by another program.\ntime,kinetic_energy,nothing\n")
+    file.writelines(f"{t},{0.5 * e},0\n" for t, e in zip(series["time"], series["kinetic_energy"]))
+shared = report(ball, "--triangles", "2000", "--reference", file.name, "--scripts", "../scripts")
+found = [one for group in part(shared, "series")["groups"] for one in group["curves"] if "reference" in one]
+runs.check(len(found) == 1 and found[0]["title"].startswith("kinetic energy") and np.allclose(
+    found[0]["reference"], 0.5 * np.array(found[0]["values"]), rtol=1e-4), "curve of a reference", str(found)[:300])
+runs.check("Dashed: Half of it by another program." in shared, "name of a reference", "")
+runs.check(len(re.findall('<script src="../scripts/', shared)) == 5 and len(shared) < len(page) - 8e5,
+           "scripts of several pages", f"{len(page)} {len(shared)}")
 inside, count = volume(page, 0)
 runs.check_within(inside / sphere, 0.95, 1.03, "volume within the surface")
 runs.check(500 < count <= 2000, "triangles are thinned", f"{count}")
