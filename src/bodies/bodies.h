@@ -1,4 +1,4 @@
-/* Floor 7: solids that move, and bodies that move freely: edges of the step. */
+/* Floor 8: solids that move, and bodies that move freely: edges of the step. */
 #ifndef ISPH_BODIES_H
 #define ISPH_BODIES_H
 

@@ -2,6 +2,7 @@
 #ifndef ISPH_BODIES_IMPL_H
 #define ISPH_BODIES_IMPL_H
 
+#include "../gauges/columns.h"
 #include "bodies.h"
 
 #define FREE_EDGE "free" /* the name of FreeEdge */
@@ -71,5 +72,7 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
 PetscErrorCode CouplingCreate(FreeData *data, Cloud cloud, Pressure pressure);
 PetscErrorCode CouplingForces(FreeData *data, Pressure pressure, PetscReal force[]);
 PetscErrorCode CouplingDestroy(FreeData *data);
+
+extern const GaugeKind GaugeBodies; /* gauge.c */
 
 #endif

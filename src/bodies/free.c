@@ -219,6 +219,7 @@ static const Refusal refusals[] = {
 };
 
 const Edge FreeEdge = {.name      = FREE_EDGE,
+                       .gauge     = &GaugeBodies,
                        .features  = features,
                        .refusals  = refusals,
                        .on        = On,

@@ -1,6 +1,5 @@
 /* Position and motion of free bodies: columns of the series. */
-#include "../gauges/columns.h"
-#include "bodies.h"
+#include "bodies_impl.h"
 
 /* Columns of a body: centre, velocity, angle and angular velocity. The last two have one component in two dimensions,
    three in three. */

@@ -264,6 +264,7 @@ static const Refusal refusals[] = {{HOLE, NEEDS, "-gas", ""},
 
 const Edge GasEdge = {.name        = GAS_EDGE,
                       .features    = features,
+                      .gauge       = &GaugePockets,
                       .refusals    = refusals,
                       .data_size   = sizeof(Gas),
                       .number_size = sizeof(GasNumbers),

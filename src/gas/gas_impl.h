@@ -2,6 +2,7 @@
 #ifndef ISPH_GAS_IMPL_H
 #define ISPH_GAS_IMPL_H
 
+#include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
 #define GAS_EDGE  "gas" /* the name of the edge */
@@ -157,5 +158,7 @@ extern const LowRank GasTerm; /* its context is a Gas */
 /* GasFindRows - finds rows and gaps after GasFind. GasForget - there are none. Not collective. */
 PetscErrorCode GasFindRows(Gas *gas);
 void           GasForget(Gas *gas);
+
+extern const GaugeKind GaugePockets; /* gauge.c */
 
 #endif

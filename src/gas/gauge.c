@@ -1,6 +1,5 @@
 /* Pockets of gas: columns of the series, and a table of them. They are those of the last step, in whose middle they
    were found. */
-#include "../gauges/columns.h"
 #include "gas_impl.h"
 
 typedef struct {

@@ -18,9 +18,9 @@ typedef struct {
   PetscBool events; /* it has rows at the times of the series, not of the snapshots */
 } GaugeTable;
 
-/* A kind of gauge: one file and one line in gauges.c. Entries may be NULL. data: 'bytes' bytes of its own, zero at
-   first. */
-typedef struct {
+/* A kind of gauge: one file, and one line in gauges.c or in the record of an edge. Entries may be NULL. data: 'bytes'
+   bytes of its own, zero at first. */
+typedef struct GaugeKind {
   size_t           bytes;
   const OptionRow *options;                                                          /* read into the data */
   void (*defaults)(Gauges gauges, void *data);                                       /* before */
@@ -40,10 +40,22 @@ PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...)
 PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
 
 /* GaugesCloud - borrowed. GaugesRun - what GaugesSetRun told, or NULL. GaugeWallFace - the number of wall faces of the
-   box, which are the first receivers of forces; direction and side are those of wall face 'index', if it exists. Not
-   collective. */
-Cloud    GaugesCloud(Gauges gauges);
-void    *GaugesRun(Gauges gauges);
-PetscInt GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
+   box, which are the first receivers of forces; direction and side are those of wall face 'index', if it exists.
+   GaugesMultiplicity - -gauge_multiplicity. Not collective. */
+Cloud     GaugesCloud(Gauges gauges);
+void     *GaugesRun(Gauges gauges);
+PetscReal GaugesMultiplicity(Gauges gauges);
+PetscInt  GaugeWallFace(Domain domain, PetscInt index, PetscInt *direction, PetscInt *side);
+
+/* GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
+ */
+PetscInt    GaugeReceivers(Gauges gauges);
+const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
+
+/* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
+   of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
+PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
+/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 
 #endif

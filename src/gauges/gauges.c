@@ -1,10 +1,20 @@
 /* The class: the list of the kinds of gauges, their common options, and their columns and tables. */
+#include "../stepper/edge.h"
 #include "gauges_impl.h"
 
-/* In the order of their columns in the series. */
-static const GaugeKind *const kinds[GAUGE_KINDS] = {&GaugeCrater, &GaugePoints,   &GaugeHeights, &GaugeForces,
-                                                    &GaugeBodies, &GaugeDroplets, &GaugeLines,   &GaugeSpread,
-                                                    &GaugeNeck,   &GaugePockets};
+static const GaugeKind *const own[] = {&GaugeCrater,   &GaugePoints, &GaugeHeights, &GaugeForces,
+                                       &GaugeDroplets, &GaugeLines,  &GaugeNeck};
+
+/* Kind k of gauges in the order of their columns in the series, those of edges last; NULL: there are only k. */
+static const GaugeKind *Kind(PetscInt k)
+{
+  const PetscInt n = PETSC_STATIC_ARRAY_LENGTH(own);
+
+  if (k < n) return own[k];
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    if ((*edge)->gauge && k-- == n) return (*edge)->gauge;
+  return NULL;
+}
 
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 {
@@ -16,7 +26,7 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
   g->cloud        = cloud;
   g->level        = NAN;
   g->multiplicity = 1;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++) PetscCall(PetscCalloc1(kinds[k]->bytes, (char **)&g->data[k]));
+  for (PetscInt k = 0; Kind(k); k++) PetscCall(PetscCalloc1(Kind(k)->bytes, (char **)&g->data[k]));
   PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
   *gauges = g;
@@ -26,8 +36,8 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
 PetscErrorCode GaugesDestroy(Gauges *gauges)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
-    if (kinds[k]->destroy) PetscCall(kinds[k]->destroy((*gauges)->data[k]));
+  for (PetscInt k = 0; Kind(k); k++) {
+    if (Kind(k)->destroy) PetscCall(Kind(k)->destroy((*gauges)->data[k]));
     PetscCall(PetscFree((*gauges)->data[k]));
   }
   for (PetscInt t = 0; t < GAUGE_TABLES_MOST; t++) PetscCall(PetscFree((*gauges)->table[t].columns.row));
@@ -44,6 +54,11 @@ void GaugesSetRun(Gauges gauges, void *run)
 void *GaugesRun(Gauges gauges)
 {
   return gauges->run;
+}
+
+PetscReal GaugesMultiplicity(Gauges gauges)
+{
+  return gauges->multiplicity;
 }
 
 void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context)
@@ -76,24 +91,24 @@ PetscErrorCode GaugesSetFromOptions(Gauges gauges)
   PetscFunctionBegin;
   PetscOptionsBegin(gauges->comm, NULL, "Gauges: measurements", "Gauges");
   PetscCall(OptionsRead(PetscOptionsObject, options, __func__, gauges));
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
-    if (kinds[k]->defaults) kinds[k]->defaults(gauges, gauges->data[k]);
-    PetscCall(OptionsRead(PetscOptionsObject, kinds[k]->options, __func__, gauges->data[k]));
-    if (kinds[k]->more) PetscCall(kinds[k]->more(gauges, PetscOptionsObject, gauges->data[k]));
+  for (PetscInt k = 0; Kind(k); k++) {
+    if (Kind(k)->defaults) Kind(k)->defaults(gauges, gauges->data[k]);
+    PetscCall(OptionsRead(PetscOptionsObject, Kind(k)->options, __func__, gauges->data[k]));
+    if (Kind(k)->more) PetscCall(Kind(k)->more(gauges, PetscOptionsObject, gauges->data[k]));
   }
   PetscOptionsEnd();
   gauges->level_given = (PetscBool)!PetscIsInfOrNanReal(gauges->level);
   gauges->listed      = PETSC_FALSE;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
-    if (kinds[k]->check) PetscCall(kinds[k]->check(gauges, gauges->data[k]));
+  for (PetscInt k = 0; Kind(k); k++)
+    if (Kind(k)->check) PetscCall(Kind(k)->check(gauges, gauges->data[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
-    if (kinds[k]->view) PetscCall(kinds[k]->view(gauges, gauges->data[k], viewer));
+  for (PetscInt k = 0; Kind(k); k++)
+    if (Kind(k)->view) PetscCall(Kind(k)->view(gauges, gauges->data[k], viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,10 +118,9 @@ static PetscErrorCode List(Gauges gauges)
   PetscFunctionBegin;
   if (gauges->listed) PetscFunctionReturn(PETSC_SUCCESS);
   gauges->series.count = gauges->tables = 0;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++) {
-    gauges->first[k] = gauges->series.count;
-    if (kinds[k]->columns) PetscCall(kinds[k]->columns(gauges, gauges->data[k], &gauges->series));
-    for (const GaugeTable *kind = kinds[k]->tables; kind && kind->file; kind++) {
+  for (PetscInt k = 0; Kind(k); k++) {
+    if (Kind(k)->columns) PetscCall(Kind(k)->columns(gauges, gauges->data[k], &gauges->series));
+    for (const GaugeTable *kind = Kind(k)->tables; kind && kind->file; kind++) {
       FilledTable *table = &gauges->table[gauges->tables];
 
       PetscCheck(gauges->tables < GAUGE_TABLES_MOST, gauges->comm, PETSC_ERR_PLIB, "Gauges have more tables");
@@ -117,9 +131,9 @@ static PetscErrorCode List(Gauges gauges)
       table->data = gauges->data[k];
       gauges->tables++;
     }
+    gauges->first[k + 1] = gauges->series.count;
   }
-  gauges->first[GAUGE_KINDS] = gauges->series.count;
-  gauges->listed             = PETSC_TRUE;
+  gauges->listed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +163,7 @@ static PetscErrorCode Refresh(Gauges gauges)
   PetscBool needed = PETSC_FALSE;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++) needed = (PetscBool)(needed || (kinds[k]->needs_sums && Has(gauges, k)));
+  for (PetscInt k = 0; Kind(k); k++) needed = (PetscBool)(needed || (Kind(k)->needs_sums && Has(gauges, k)));
   if (needed && old && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,8 +174,8 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscCall(List(gauges));
   PetscCall(Refresh(gauges));
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
-    if (Has(gauges, k)) PetscCall(kinds[k]->measure(gauges, gauges->data[k], values + gauges->first[k]));
+  for (PetscInt k = 0; Kind(k); k++)
+    if (Has(gauges, k)) PetscCall(Kind(k)->measure(gauges, gauges->data[k], values + gauges->first[k]));
   for (PetscInt c = 0; c < gauges->series.count; c++) values[c] *= GaugesFactor(gauges, &gauges->series.row[c]);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GAUGES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,8 +185,8 @@ PetscErrorCode GaugesMeasure(Gauges gauges, PetscReal values[])
 
 const char *GaugesTableFile(PetscInt t)
 {
-  for (PetscInt k = 0; k < GAUGE_KINDS; k++)
-    for (const GaugeTable *table = kinds[k]->tables; table && table->file; table++)
+  for (PetscInt k = 0; Kind(k); k++)
+    for (const GaugeTable *table = Kind(k)->tables; table && table->file; table++)
       if (t-- == 0) return table->file;
   return NULL;
 }

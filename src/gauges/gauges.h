@@ -1,4 +1,4 @@
-/* Floor 6: gauges measure the particles: energies and volume; crown, crater and jet of an impact; pressure and velocity
+/* Floor 7: gauges measure the particles: energies and volume; crown, crater and jet of an impact; pressure and velocity
    at points and along lines; heights of the free surface; forces on walls and solids; what is wetted; droplets, necks.
 
    A gauge fills columns of the time series, rows of a table of its own, or both. The output writes them. */

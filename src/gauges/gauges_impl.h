@@ -4,9 +4,8 @@
 
 #include "columns.h"
 
-extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeBodies, GaugeDroplets, GaugeLines,
-  GaugeSpread, GaugeNeck, GaugePockets;
-#define GAUGE_KINDS 10
+extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeDroplets, GaugeLines, GaugeNeck;
+#define GAUGE_KINDS 16 /* at most, with those of edges */
 
 /* A table that is written, and the data of its gauge. */
 typedef struct {
@@ -52,16 +51,7 @@ static inline char AxisName(PetscInt direction)
   return "xyz"[direction];
 }
 
-/* --- receivers.c: the walls of the box, then the solids, receive forces and are wetted --- */
-/* GaugeReceivers - the number of walls and solids. GaugeReceiverName - "zmin" or the name of a solid. Not collective.
- */
-PetscInt    GaugeReceivers(Gauges gauges);
-const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
-
 /* --- totals.c --- */
-/* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
-   of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
-PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
 /* HeightOverLevel - height (m) over the level of liquid whose highest particle is at 'top' (m, -PETSC_MAX_REAL: none);
    NAN without liquid. A particle fills a cube of one spacing, so the surface is half a spacing above it; beyond a
    periodic face liquid is at the other one, so it is never higher than that. Not collective. */
@@ -109,8 +99,6 @@ PetscErrorCode HeightsSample(Gauges gauges, PetscInt count, const PetscReal plac
 /* ConnectedLabels - label [n_total of the cloud]: for an owned fluid particle, the smallest id in its connected piece
    (CONNECTION). Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
-/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
-PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 /* ConnectedWithBody - connected [n_fluid of the cloud]: whether a particle is connected with the deepest particle of a
    body. Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);

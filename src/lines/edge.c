@@ -66,6 +66,7 @@ static const Refusal refusals[] = {
 };
 
 const Edge ContactEdge = {.name      = NAME,
+                          .gauge     = &GaugeSpread,
                           .features  = features,
                           .refusals  = refusals,
                           .data_size = sizeof(Line),

@@ -1,4 +1,4 @@
-/* Floor 7: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series and
+/* Floor 8: everything a run writes, into its own folder: snapshots (HDF5 and XDMF), checkpoints, the time series and
    the tables of the gauges, the options used.
 
    Order of calls: Create, SetFromOptions, Restart when the run continues, SetUp, then at every state Step, and

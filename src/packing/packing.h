@@ -1,4 +1,4 @@
-/* Floor 8: the initial state. Fills the bodies of a scene with particles and the walls with dummies.
+/* Floor 9: the initial state. Fills the bodies of a scene with particles and the walls with dummies.
 
    Types: lattice (with jitter; for the consistent scheme) and poisson (sampling of Schechter & Bridson 2012 at the
    particle spacing, then TAO moves the particles until the standard deviation of the density is small, as in Kuri et

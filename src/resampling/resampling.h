@@ -1,4 +1,4 @@
-/* Floor 7: joining and splitting of particles during a run. Sums over neighbours are accurate as long as neighbours
+/* Floor 8: joining and splitting of particles during a run. Sums over neighbours are accurate as long as neighbours
    have similar volumes in the sums. A ring enters with its cross-section area, its volume over its length, so the area
    shrinks in a crown and grows in a jet. At an interval
      a ring with too small an area joins its nearest neighbour, and

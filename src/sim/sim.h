@@ -1,4 +1,4 @@
-/* Floor 10: the whole program: options, set-up, the loop over steps, progress. */
+/* Floor 11: the whole program: options, set-up, the loop over steps, progress. */
 #ifndef ISPH_SIM_H
 #define ISPH_SIM_H
 

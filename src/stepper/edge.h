@@ -77,12 +77,13 @@ typedef struct {
   /* when the stepper is made and destroyed, whether it is on or not; its data are zero before and freed after */
   PetscErrorCode (*create)(Stepper stepper);
   PetscErrorCode (*destroy)(Stepper stepper);
-  size_t           data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
-  size_t           number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
-  const NumberRow *numbers;     /* their rows */
-  NumberTable      table;       /* numbers that it keeps in the scene; no name: none */
-  const Feature   *features;    /* NULL: none */
-  const Refusal   *refusals;    /* the same */
+  size_t                  data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
+  size_t                  number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
+  const NumberRow        *numbers;     /* their rows */
+  NumberTable             table;       /* numbers that it keeps in the scene; no name: none */
+  const struct GaugeKind *gauge;       /* its columns and tables, of gauges/columns.h; NULL: none */
+  const Feature          *features;    /* NULL: none */
+  const Refusal          *refusals;    /* the same */
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
   PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
                            size_t length);

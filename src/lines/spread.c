@@ -11,7 +11,7 @@
    in the height over the plane. A line is fitted to the cosines of particles at the surface from LOW to HIGH and near
    the edge of the wetted area; its value at height 0 is the angle. Below LOW the kernel's sums see the wall. */
 #include "../neighbors/sorted_cells.h"
-#include "gauges_impl.h"
+#include "lines.h"
 
 #define COVER  0.56 /* of the kernel's support: that of W; ghosts are known within COVER + PART = 1 */
 #define PART   0.44 /* of the kernel's support: points lie within this of a particle */
@@ -47,7 +47,7 @@ typedef struct {
 static PetscReal Foot(Gauges gauges, PetscInt receiver, const PetscReal x[DIM], PetscReal foot[DIM],
                       PetscReal normal[DIM])
 {
-  const Domain   domain = gauges->cloud->domain;
+  const Domain   domain = GaugesCloud(gauges)->domain;
   PetscInt       d = 0, side = 0, nearest = 0;
   const PetscInt faces = GaugeWallFace(domain, receiver, &d, &side);
   PetscReal      s;
@@ -57,9 +57,9 @@ static PetscReal Foot(Gauges gauges, PetscInt receiver, const PetscReal x[DIM], 
     normal[d] = side ? -1 : 1;
     s         = side ? domain->upper[d] - x[d] : x[d] - domain->lower[d];
   } else {
-    s = SceneSolidDistance(gauges->cloud->scene, x, &nearest);
+    s = SceneSolidDistance(GaugesCloud(gauges)->scene, x, &nearest);
     if (nearest != receiver - faces) return PETSC_MAX_REAL;
-    SceneSolidNormal(gauges->cloud->scene, x, normal);
+    SceneSolidNormal(GaugesCloud(gauges)->scene, x, normal);
     if (Norm(normal) == 0) return PETSC_MAX_REAL;
   }
   for (PetscInt k = 0; k < DIM; k++) foot[k] = x[k] - s * normal[k];
@@ -69,10 +69,10 @@ static PetscReal Foot(Gauges gauges, PetscInt receiver, const PetscReal x[DIM], 
 /* Whether a point p (m) lies on the part of a receiver that liquid can wet. */
 static PetscBool OnReceiver(Gauges gauges, PetscInt receiver, const PetscReal p[DIM])
 {
-  const Domain    domain  = gauges->cloud->domain;
+  const Domain    domain  = GaugesCloud(gauges)->domain;
   PetscInt        nearest = 0, axis = -1, side = 0;
   const PetscInt  faces = GaugeWallFace(domain, receiver, &axis, &side);
-  const PetscReal s     = SceneSolidDistance(gauges->cloud->scene, p, &nearest) / domain->spacing;
+  const PetscReal s     = SceneSolidDistance(GaugesCloud(gauges)->scene, p, &nearest) / domain->spacing;
 
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscBool above = (PetscBool)(p[d] > domain->upper[d]);
@@ -87,7 +87,7 @@ static PetscBool OnReceiver(Gauges gauges, PetscInt receiver, const PetscReal p[
 /* The share c of the space in front of p (m) that liquid fills; part: that of particle a in the liquid near p. */
 static PetscReal Share(Cover *cover, const PetscReal p[DIM], PetscInt a, PetscReal *part)
 {
-  const Cloud      cloud = cover->gauges->cloud;
+  const Cloud      cloud = GaugesCloud(cover->gauges);
   SortedCells     *cells = &cover->cells;
   const PetscReal *x = cells->sorted, *y = x + cells->count, *z = y + cells->count;
   const PetscReal  support = KernelSupport(cloud->kernel);
@@ -139,7 +139,7 @@ static void Tangents(PetscInt dim, const PetscReal normal[DIM], PetscReal first[
 static PetscBool AddArea(Cover *cover, PetscInt receiver, PetscInt a, const PetscReal foot[DIM],
                          const PetscReal normal[DIM])
 {
-  const Cloud     cloud = cover->gauges->cloud;
+  const Cloud     cloud = GaugesCloud(cover->gauges);
   const PetscInt  dim   = cloud->domain->dim;
   const PetscReal pitch = PITCH * cloud->domain->spacing * cloud->size[a];
   PetscReal      *sum   = cover->sum + SUMS * receiver, first[DIM], second[DIM];
@@ -177,7 +177,7 @@ static PetscBool AddArea(Cover *cover, PetscInt receiver, PetscInt a, const Pets
 /* Sums the wetted areas and collects the edges of this rank. */
 static PetscErrorCode AddAreas(Cover *cover)
 {
-  const Cloud cloud = cover->gauges->cloud;
+  const Cloud cloud = GaugesCloud(cover->gauges);
 
   PetscFunctionBegin;
   for (PetscInt r = 0; r < GaugeReceivers(cover->gauges); r++) {
@@ -207,7 +207,7 @@ static PetscErrorCode ShareEdges(Cover *cover)
   PetscFunctionBegin;
   PetscCall(PetscSegBufferGetSize(cover->own, &n));
   PetscCall(PetscSegBufferExtractInPlace(cover->own, &own));
-  PetscCall(GatherAll(cover->gauges->comm, (PetscInt)n, own, MPIU_REAL, &total, &cover->edge));
+  PetscCall(GatherAll(GaugesCloud(cover->gauges)->comm, (PetscInt)n, own, MPIU_REAL, &total, &cover->edge));
   cover->edges = total / (1 + DIM);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -215,7 +215,7 @@ static PetscErrorCode ShareEdges(Cover *cover)
 /* Whether an edge on a receiver is within a distance (m) of x (m), also through periodic faces. */
 static PetscBool NearEdge(const Cover *cover, PetscInt receiver, const PetscReal x[DIM], PetscReal distance)
 {
-  const Domain domain = cover->gauges->cloud->domain;
+  const Domain domain = GaugesCloud(cover->gauges)->domain;
 
   for (PetscInt e = 0; e < cover->edges; e++) {
     const PetscReal *edge = cover->edge + (1 + DIM) * e;
@@ -237,7 +237,7 @@ static PetscBool NearEdge(const Cover *cover, PetscInt receiver, const PetscReal
    line, |n x normal|. */
 static void AddAngles(Cover *cover)
 {
-  const Cloud     cloud = cover->gauges->cloud;
+  const Cloud     cloud = GaugesCloud(cover->gauges);
   const PetscReal d0    = cloud->domain->spacing;
 
   for (PetscInt r = 0; r < GaugeReceivers(cover->gauges); r++)
@@ -274,8 +274,8 @@ static PetscReal Angle(const PetscReal fit[5])
    far as -gauge_multiplicity counts copies: the centre is on the mirror. */
 static void Axes(Gauges gauges, PetscInt d, const PetscReal sum[SUMS], PetscReal width[2])
 {
-  const Domain domain = gauges->cloud->domain;
-  PetscReal    copies = gauges->multiplicity, xx[2], xy, center[2], mean, half;
+  const Domain domain = GaugesCloud(gauges)->domain;
+  PetscReal    copies = GaugesMultiplicity(gauges), xx[2], xy, center[2], mean, half;
   PetscInt     along[2];
 
   Along(d, along);
@@ -296,9 +296,9 @@ static void Axes(Gauges gauges, PetscInt d, const PetscReal sum[SUMS], PetscReal
 /* Largest extent (m) along a face of the largest connected piece of liquid: over SWAYS directions. */
 static PetscErrorCode Spread(Gauges gauges, PetscInt d, const PetscBool main[], PetscReal *spread)
 {
-  const Cloud  cloud  = gauges->cloud;
+  const Cloud  cloud  = GaugesCloud(gauges);
   const Domain domain = cloud->domain;
-  PetscReal    most[2 * SWAYS], mirror[2], copies = gauges->multiplicity;
+  PetscReal    most[2 * SWAYS], mirror[2], copies = GaugesMultiplicity(gauges);
   PetscInt     along[2];
 
   PetscFunctionBegin;
@@ -317,7 +317,7 @@ static PetscErrorCode Spread(Gauges gauges, PetscInt d, const PetscBool main[], 
       }
       most[w] = PetscMax(most[w], reach);
     }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2 * SWAYS, MPIU_REAL, MPIU_MAX, gauges->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 2 * SWAYS, MPIU_REAL, MPIU_MAX, GaugesCloud(gauges)->comm));
   *spread = 0;
   for (PetscInt w = 0; w < (domain->dim == 3 ? SWAYS : 1); w++) *spread = PetscMax(*spread, most[w] + most[w + SWAYS]);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -338,8 +338,8 @@ typedef enum { WETTED, DIAMETER, ANGLE, EXTENT, LONG, SHORT, QUANTITIES } Quanti
 /* The number of columns of a receiver: solids have no extent, and only walls in three dimensions have an ellipse. */
 static PetscInt Quantities(Gauges gauges, PetscInt receiver)
 {
-  if (receiver >= GaugeWallFace(gauges->cloud->domain, -1, NULL, NULL)) return EXTENT;
-  return gauges->cloud->domain->dim == 3 ? QUANTITIES : LONG;
+  if (receiver >= GaugeWallFace(GaugesCloud(gauges)->domain, -1, NULL, NULL)) return EXTENT;
+  return GaugesCloud(gauges)->domain->dim == 3 ? QUANTITIES : LONG;
 }
 
 static PetscErrorCode Columns_Spread(Gauges gauges, const void *data, ColumnList *list)
@@ -376,13 +376,14 @@ static PetscErrorCode SumAreas(Cover *cover)
   PetscCall(PetscSegBufferDestroy(&cover->own));
   AddAngles(cover);
   PetscCall(PetscFree(cover->edge));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cover->sum, (PetscMPIInt)(n * SUMS), MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, cover->sum, (PetscMPIInt)(n * SUMS), MPIU_REAL, MPIU_SUM, GaugesCloud(gauges)->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal value[])
 {
-  const Cloud    cloud = gauges->cloud;
+  const Cloud    cloud = GaugesCloud(gauges);
   const PetscInt n = GaugeReceivers(gauges), faces = GaugeWallFace(cloud->domain, -1, NULL, NULL);
   Cover          cover = {.gauges = gauges};
   PetscInt      *all;
@@ -393,8 +394,8 @@ static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal 
   PetscCall(PetscMalloc4(cloud->n_total, &all, cloud->n_fluid, &main, n * SUMS, &cover.sum, n, &cover.wedge));
   for (PetscInt a = 0; a < cloud->n_total; a++) all[a] = a;
   PetscCall(SortedCellsBuild(&cover.cells, cloud, cloud->n_total, all,
-                             COVER * KernelSupport(cloud->kernel) * cloud->size_most,
-                             COVER * KernelSupport(cloud->kernel) * cloud->size_most));
+                             COVER * KernelSupport(cloud->kernel) * DomainSizeMax(cloud->domain),
+                             COVER * KernelSupport(cloud->kernel) * DomainSizeMax(cloud->domain)));
   PetscCall(ConnectedLargest(gauges, main));
   for (PetscInt r = 0; r < n; r++) cover.wedge[r] = 0.5;
   PetscCall(SumAreas(&cover));
