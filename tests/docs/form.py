@@ -39,8 +39,24 @@ for kind in range(KINDS):
     title = text.splitlines()[0][2:].partition(";")[0] if text else f"kind {kind}"
     if runs.check(done.returncode == 0 and "warning" not in done.stdout, title, done.stderr[-300:] + done.stdout[:300]):
         particles = runs.fields(runs.numbered(folder, "snapshot")[0])["body"]
+        lines = [line.split()[0] for line in text.splitlines() if line.startswith("-")]
+        controls = re.findall(r'id="option_(-\w+)"', seen)
+        runs.check(controls == lines, f"{title}: a control for each option", str(set(lines) ^ set(controls)))
         runs.check_within((particles >= 0).sum() / said, 0.8, 1.25, f"{title}: particles")
-runs.check(len(re.findall("<option", seen)) == KINDS, "all_kinds", str(seen.count("<option")))
+runs.check(len(re.findall("<option", seen.split('id="fields"')[0])) == KINDS, "all_kinds", str(seen.count("<option")))
 seen = page("?kind=0", "document.getElementById('field_d').value = 'two'; show();")
 runs.check('class="bad"' in seen and '<pre id="text"></pre>' in seen, "a_number_that_is_none", seen[-300:])
+# the rows of the program's options: their unit and meaning, their range, another option
+seen = page("?kind=1")
+runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, (0, inf)' in seen, "unit_and_meaning_of_a_row", "")
+seen = page("?kind=1", "changed.set('-drop_density', '-1'); show();")
+runs.check('<pre id="text"></pre>' in seen and "must be (0, inf)" in seen, "a_value_out_of_range", seen[-300:])
+seen = page("?kind=1", "changed.set('-time_end', '1e-6'); add('-gauge_forces'); add('-drop_wave_mode');")
+text = html.unescape(re.search(r'<pre id="text">(.*?)</pre>', seen, re.S)[1])
+runs.check("\n-time_end 1e-6\n" in text and "\n-gauge_forces true\n" in text and "\n-drop_wave_mode 2\n" in text,
+           "another_option", text)
+with open(runs.scratch("more.opts"), "w", encoding="utf-8") as file:
+    file.write(text)
+done = runs.start([file.name, "-steps_max", "2", "-packing_cache", "", "-output_dir", runs.scratch("more")])
+runs.check(done.returncode == 0, "another_option_runs", done.stderr[-300:])
 runs.done()

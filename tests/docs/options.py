@@ -11,6 +11,8 @@ import runs  # noqa: E402
 
 FOLDER = os.path.join(runs.ROOT, "options")
 README, LIST = os.path.join(FOLDER, "README.md"), os.path.join(FOLDER, "options.json")
+FORM = os.path.join(FOLDER, "form.html")
+ROWS = '<script id="rows" type="application/json">', "</script>\n<!-- /rows -->"
 MARKS = "<!-- options -->", "<!-- /options -->"
 FEATURE = r"(?<!\S)(-[\w<>]+(?: (?!cannot|needs|yet)[\w<>]+)?)"
 CHOICES = 12  # that a cell holds
@@ -60,6 +62,14 @@ def reference(known):
     return "\n".join(lines)
 
 
+def rows(known):
+    """What the form knows of each option."""
+    keys = ("name", "kind", "unit", "range", "values", "default", "meaning", "group")
+    text = json.dumps([[option.get(key) for key in keys] for option in known["options"]], ensure_ascii=False,
+                      separators=(",", ":"))
+    return text.replace("</", "<\\/").replace("],[", "],\n[")
+
+
 def sound(option):
     """Whether the row of an option says all that it should."""
     number = option["kind"] in ("real", "int", "point", "direction", "numbers")
@@ -79,7 +89,10 @@ def main():
     with open(README, encoding="utf-8") as file:
         committed = file.read()
     head, tail = committed.split(MARKS[0])[0], committed.split(MARKS[1])[1]
-    for file_path, fresh in ((LIST, text), (README, f"{head}{MARKS[0]}\n\n{reference(known)}\n{MARKS[1]}{tail}")):
+    with open(FORM, encoding="utf-8") as file:
+        form = file.read()
+    form = form.split(ROWS[0])[0] + ROWS[0] + rows(known) + ROWS[1] + form.split(ROWS[1])[1]
+    for file_path, fresh in ((LIST, text), (FORM, form), (README, f"{head}{MARKS[0]}\n\n{reference(known)}\n{MARKS[1]}{tail}")):
         if "--write" in sys.argv:
             with open(file_path, "w", encoding="utf-8") as file:
                 file.write(fresh)
