@@ -1,6 +1,7 @@
 /* What gauges say of a step after which the particles have another order, because some left, joined, split, were
    brought by an emitter or went to another rank, is what they say of the same state measured afresh, as from a
    checkpoint. Runs on any number of ranks. */
+#include "../../src/emitters/emitters.h"
 #include "../../src/sim/sim_impl.h"
 #include "check.h"
 #include "columns.h"
