@@ -1,7 +1,6 @@
 /* What gauges say of a step after which the particles have another order, because some left, joined, split, were
    brought by an emitter or went to another rank, is what they say of the same state measured afresh, as from a
    checkpoint. Runs on any number of ranks. */
-#include "../../src/emitters/emitters.h"
 #include "../../src/sim/sim_impl.h"
 #include "check.h"
 #include "columns.h"
@@ -100,7 +99,7 @@ static PetscErrorCode Run(const char options[], PetscInt steps, const char name[
     PetscCall(CloudBegin(sim->cloud)); /* the step's own finds nothing left to do */
     before = sim->cloud->layout;
     PetscCall(StepperAdvance(sim->stepper, 1e3, PETSC_TRUE, &sim->state, &failed, why, sizeof(why)));
-    PetscCall(EmittersBring(sim->stepper, sim->packing, sim->gauges, &sim->state));
+    PetscCall(StepperBring(sim->stepper, sim->packing, sim->gauges, PETSC_FALSE, &sim->state));
     if (sim->cloud->layout == before) continue;
     changed++;
     PetscCall(Measure(sim, &now));
