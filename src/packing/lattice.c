@@ -118,7 +118,9 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
   const Scene scene = packing->cloud->scene;
 
   if (!InsideBox(packing->cloud->domain, x)) return PETSC_FALSE;
-  if (PointDistance(packing, b, point, x) > level[b] || SceneSolidDistance(scene, x, NULL) <= 0) return PETSC_FALSE;
+  if (PointDistance(packing, b, point, x) > level[b]) return PETSC_FALSE;
+  /* not within rounding of a face, where a solid would get liquid on one side alone */
+  if (SceneSolidDistance(scene, x, NULL) <= POINT_TOLERANCE * packing->cloud->domain->spacing) return PETSC_FALSE;
   for (PetscInt other = 0; other < b; other++)
     if (Takes(packing, other, level[other], BodyDistance(SceneBody(scene, other), x), x)) return PETSC_FALSE;
   return PETSC_TRUE;

@@ -34,5 +34,7 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report);
    CloudResync. Collective. */
 PetscErrorCode PackingSetVelocities(Packing packing);
 PetscErrorCode PackingDestroy(Packing *packing);
+/* PackingSolidDepth - how deep below the surfaces of solids there are dummy particles, m. Not collective. */
+PetscReal PackingSolidDepth(Cloud cloud);
 
 #endif

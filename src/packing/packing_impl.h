@@ -71,8 +71,8 @@ PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, P
 
 /* Dummy particles, 'layers' deep: the source of WallVisit and SolidVisit. WallVisit - of all wall faces: the box's
    lattice, continued beyond the box, edges and corners included; the parent of a deeper particle is the nearest
-   particle of the top layer, 1. SolidVisit - of the solids: points of the box's lattice inside them, each with a
-   pressure of its own. Each rank passes its share of the lattice. Collective. */
+   particle of the top layer, 1. SolidVisit - of the solids, each on points of its own (solids.c), each with a pressure
+   of its own. Each rank passes its share of the points. Collective. */
 typedef struct {
   Cloud    cloud;
   PetscInt layers;
@@ -84,13 +84,15 @@ PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context);
 typedef struct {
   PetscReal x[DIM], measure; /* m; m^dim of the region */
   PetscBool fixed;           /* on a lattice */
+  PetscInt  layer;           /* of a solid: it stays layer - 1/2 spacings below the surface; 0: it is free */
 } RegionPoint;
 typedef struct {
   Packing          packing;
   PetscInt         dim;                    /* number of directions in which the region extends */
   PetscBool        along[DIM];             /* these directions */
   PetscReal        lower[DIM], upper[DIM]; /* m */
-  PetscInt         body;                   /* -1: the block from lower to upper */
+  PetscInt         body;                   /* -1: the block from lower to upper, or the solid */
+  Body             solid;                  /* NULL: no solid */
   const PetscReal *level;                  /* of LatticeFit */
   PetscReal        coarsest;               /* largest spacing, m */
   Lattice          fine, coarse;           /* with one point in other directions */
@@ -108,7 +110,7 @@ static inline PetscReal RegionSpacing(const Region *region, const PetscReal x[DI
    Collective. */
 PetscErrorCode RegionFill(Region *region);
 /* RegionSpread - moves the points that are not fixed, which come last, until they are spread evenly. The same on every
-   rank. Collective. */
+ * rank. Collective. */
 PetscErrorCode RegionSpread(Region *region);
 
 /* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit,

@@ -83,9 +83,7 @@ static PetscErrorCode AddPoint(PetscSegBuffer points, const PetscReal x[DIM], Pe
 
   PetscFunctionBegin;
   PetscCall(PetscSegBufferGet(points, 1, &point));
-  PetscCall(PetscArraycpy(point->x, x, DIM));
-  point->measure = measure;
-  point->fixed   = fixed;
+  *point = (RegionPoint){.x = {x[0], x[1], x[2]}, .measure = measure, .fixed = fixed};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 #include "packing_impl.h"
 
 #define ROUNDS       150 /* of displacements */
+#define SOLID_ROUNDS 60  /* of the dummies of a solid, which start from a lattice */
 #define LIST_ROUNDS  5   /* between two searches of neighbours */
 #define LIST_MARGIN  1.1 /* on the support, for motion between searches and for larger neighbours */
 #define LIST_SLACK   0.5 /* spacings, the same */
@@ -81,12 +82,24 @@ static PetscErrorCode FindNear(Spread *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The body or solid that the region fills; NULL: a block. */
+static inline Body Filled(const Spread *p)
+{
+  return p->region->body >= 0 ? SceneBody(p->scene, p->region->body) : p->region->solid;
+}
+
+/* Displaces a point (m) of the region's lattice as the body does. */
+static inline void Displace(const Region *region, Body body, PetscReal x[DIM])
+{
+  if (!region->solid) BodyDisplace(body, x);
+}
+
 /* Signed distance (m) of a point, after the body's displacement, to the body's surface. */
-static PetscReal Distance(Body body, const PetscReal x[DIM])
+static PetscReal Distance(const Region *region, Body body, const PetscReal x[DIM])
 {
   PetscReal y[DIM] = {x[0], x[1], x[2]};
 
-  BodyDisplace(body, y);
+  Displace(region, body, y);
   return BodyDistance(body, y);
 }
 
@@ -101,7 +114,7 @@ static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], Pe
 
     low[d] -= step;
     high[d] += step;
-    normal[d] = p->region->along[d] ? Distance(body, high) - Distance(body, low) : 0;
+    normal[d] = p->region->along[d] ? Distance(p->region, body, high) - Distance(p->region, body, low) : 0;
   }
   length = Norm(normal);
   for (PetscInt d = 0; d < DIM && length > 0; d++) normal[d] /= length;
@@ -111,7 +124,7 @@ static void SurfaceNormal(const Spread *p, Body body, const PetscReal x[DIM], Pe
 static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal reach, Plane plane[PLANES_MOST])
 {
   const Region *region = p->region;
-  const Body    body   = region->body >= 0 ? SceneBody(p->scene, region->body) : NULL;
+  const Body    body   = Filled(p);
   PetscInt      n      = 0;
   PetscReal     deep, normal[DIM];
 
@@ -123,7 +136,7 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
       if (!region->along[d] || PetscAbsReal(x[d] - face) > reach) continue;
       if (n && plane[n - 1].normal[d] != 0) continue; /* the region is thin: the nearer face is enough */
       y[d] = face + (side ? -1 : 1) * PROBE * p->domain->spacing;
-      if (body) BodyDisplace(body, y);
+      if (body) Displace(region, body, y);
       if (body && !BodyContains(body, y)) continue;
       plane[n]           = (Plane){{x[0], x[1], x[2]}, {0, 0, 0}};
       plane[n].at[d]     = face;
@@ -131,7 +144,7 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
       n++;
     }
   if (!body) return n;
-  deep = -Distance(body, x);
+  deep = -Distance(region, body, x);
   if (deep > reach) return n;
   SurfaceNormal(p, body, x, normal);
   for (PetscInt k = 0; k < n; k++)
@@ -209,9 +222,22 @@ static PetscBool MayBe(const Spread *p, const PetscReal x[DIM], const PetscReal 
     const Body      body    = SceneBody(p->scene, b);
     const PetscReal outward = b < region->body ? 1 : -1;
 
-    if (!MayMove(outward * Distance(body, x), outward * Distance(body, y), s)) return PETSC_FALSE;
+    if (!MayMove(outward * Distance(region, body, x), outward * Distance(region, body, y), s)) return PETSC_FALSE;
   }
-  return PETSC_TRUE;
+  return (PetscBool)(!region->solid ||
+                     MayMove(-Distance(region, region->solid, x), -Distance(region, region->solid, y), s));
+}
+
+/* Moves a point of a layer of a solid towards its depth, by at most 'most' (m). */
+static void KeepDepth(const Spread *p, const RegionPoint *point, PetscReal most, PetscReal x[DIM])
+{
+  PetscReal normal[DIM], lack;
+
+  if (!point->layer) return;
+  lack = Distance(p->region, p->region->solid, x) + (point->layer - 0.5) * p->domain->spacing;
+  lack = PetscMax(-most, PetscMin(most, lack));
+  SurfaceNormal(p, p->region->solid, x, normal);
+  for (PetscInt d = 0; d < DIM; d++) x[d] -= lack * normal[d];
 }
 
 /* One round: all forces, then all displacements. */
@@ -225,6 +251,7 @@ static void Move(Spread *p)
     for (PetscInt d = 0; d < DIM; d++)
       y[d] = p->x[DIM * a + d] + force[d] * PetscMin(1, FARTHEST * p->s[a] / PetscMax(length, PETSC_SMALL * p->s[a]));
     if (!MayBe(p, p->x + DIM * a, y, p->s[a])) continue;
+    KeepDepth(p, &p->region->point[a], FARTHEST * p->s[a], y);
     for (PetscInt d = 0; d < DIM; d++) p->x[DIM * a + d] = y[d];
     p->s[a] = RegionSpacing(p->region, y);
   }
@@ -263,7 +290,7 @@ PetscErrorCode RegionSpread(Region *region)
         p.x[DIM * a + d] = PetscMax(region->lower[d] + LEAST_DEPTH * p.s[a],
                                     PetscMin(region->upper[d] - LEAST_DEPTH * p.s[a], p.x[DIM * a + d]));
   }
-  for (PetscInt round = 0; round < ROUNDS; round++) {
+  for (PetscInt round = 0; round < (region->solid ? SOLID_ROUNDS : ROUNDS); round++) {
     if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));
     Move(&p);
     PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, p.x, count, start, position, cloud->comm));

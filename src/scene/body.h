@@ -16,6 +16,7 @@ typedef struct {
   void (*bounds)(Body body, PetscReal lower[DIM], PetscReal upper[DIM]); /* bounds of the shape, m */
   void (*displace)(Body body, PetscReal x[DIM]);                         /* see BodyDisplace; NULL: not at all */
   PetscReal (*wave)(Body body); /* wavelength of the surface, m; 0 or NULL: no waves */
+  PetscBool boxed;              /* its surface is that of its bounds */
 } ShapeOps;
 
 /* An initial velocity field, added to the uniform part -<b>_velocity. */

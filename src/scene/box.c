@@ -61,4 +61,5 @@ static void BoxBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   }
 }
 
-const ShapeOps ShapeBox = {{"box", sizeof(Box), options, BoxDefaults, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL};
+const ShapeOps ShapeBox = {
+  {"box", sizeof(Box), options, BoxDefaults, BoxSetUp}, BoxDistance, BoxBounds, NULL, NULL, PETSC_TRUE};

@@ -22,38 +22,53 @@ PetscBool SimIsDry(Sim sim)
   return sim->dry_run;
 }
 
-/* Prints the volume of each body's particles, of an emitter one filling's, against that of its shape: if they differ,
-   choose another spacing. */
+/* A line about one body or solid: its particles, of an emitter one filling's, against the volume of its shape; of a
+   solid against that part of it which liquid feels. */
+static PetscErrorCode PrintBody(Sim sim, Body body, PetscInt solid, PetscInt count, PetscReal volume)
+{
+  const PetscReal shape = ShapeVolume(sim, body, solid);
+  const PetscBool later = BodyComesLater(body);
+
+  PetscFunctionBegin;
+  PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %s%.4g %s", BodyName(body), count,
+                        later ? "a filling of " : "", (double)volume, DomainUnit(sim->domain, "m3")));
+  if (shape > 0)
+    PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its %s", (double)(100 * (volume / shape - 1)),
+                          solid < 0 ? "shape" : "shape near its surface"));
+  PetscCall(PetscPrintf(sim->comm, "\n"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints the volume of the particles of each body and solid against that of its shape: if they differ, choose another
+   spacing. */
 static PetscErrorCode PrintBodies(Sim sim)
 {
   PetscInt      *count;
   PetscReal     *volumes;
-  const PetscInt bodies = SceneCount(sim->scene);
+  const PetscInt bodies = SceneCount(sim->scene), all = bodies + SceneSolidCount(sim->scene);
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(bodies, &count, bodies, &volumes));
+  PetscCall(PetscCalloc2(all, &count, all, &volumes));
   PetscCall(ParticlesOpen(sim->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    const PetscInt b = arrays.integer[INT_BODY][a];
+    const PetscInt body = arrays.integer[INT_BODY][a], b = body >= 0 ? body : bodies + BODY_SOLID - body;
 
-    if (b < 0) continue;
+    if (body == BODY_WALL) continue;
     count[b]++;
     volumes[b] += ParticleVolume(sim->domain, &arrays, a);
   }
   PetscCall(ParticlesClose(sim->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)bodies, MPIU_INT, MPI_SUM, sim->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volumes, (PetscMPIInt)bodies, MPIU_REAL, MPI_SUM, sim->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, (PetscMPIInt)all, MPIU_INT, MPI_SUM, sim->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, volumes, (PetscMPIInt)all, MPIU_REAL, MPI_SUM, sim->comm));
   for (PetscInt b = 0; b < bodies; b++) {
-    const Body      body   = SceneBody(sim->scene, b);
-    const PetscReal volume = BodyComesLater(body) ? StepperFilling(sim->stepper, b, NULL) : volumes[b],
-                    shape  = ShapeVolume(sim, body);
+    const Body body = SceneBody(sim->scene, b);
 
-    PetscCall(PetscPrintf(sim->comm, "    %s: %" PetscInt_FMT " particles, %s%.4g %s", BodyName(body), count[b],
-                          BodyComesLater(body) ? "a filling of " : "", (double)volume, DomainUnit(sim->domain, "m3")));
-    if (shape > 0) PetscCall(PetscPrintf(sim->comm, ", %+.1f %% of its shape", (double)(100 * (volume / shape - 1))));
-    PetscCall(PetscPrintf(sim->comm, "\n"));
+    PetscCall(
+      PrintBody(sim, body, -1, count[b], BodyComesLater(body) ? StepperFilling(sim->stepper, b, NULL) : volumes[b]));
   }
+  for (PetscInt b = bodies; b < all; b++)
+    PetscCall(PrintBody(sim, SceneSolid(sim->scene, b - bodies), b - bodies, count[b], volumes[b]));
   PetscCall(PetscFree2(count, volumes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -104,9 +104,10 @@ typedef void (*OtherVisitor)(void *context, const char name[], const char value[
 PetscErrorCode OthersVisit(OtherVisitor visit, void *context);
 /* DumpOptions - writes the options of the scene to the files that the user wants. Collective. */
 PetscErrorCode DumpOptions(Sim sim);
-/* ShapeVolume - volume (m3, in two dimensions m2) of a body's shape in the box, outside solids: midpoints of cells of a
-   quarter of the spacing. Not collective. */
-PetscReal ShapeVolume(Sim sim, Body body);
+/* ShapeVolume - volume (m3, in two dimensions m2) of a body's shape in the box, outside solids (solid = -1); of a solid
+   of this index, of the part near its surface that has dummy particles: midpoints of cells of a quarter of the spacing.
+   Not collective. */
+PetscReal ShapeVolume(Sim sim, Body body, PetscInt solid);
 /* FillingsView - warns of emitters that bring more or less than their options say: the lattice fills their shape with
    whole particles. Not collective. */
 PetscErrorCode FillingsView(Sim sim, PetscViewer viewer);

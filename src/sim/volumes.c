@@ -5,7 +5,16 @@
 #define VOLUME_CELLS 4e6  /* at most */
 #define UNEVEN_FLUX  0.02 /* of an emitter: a lattice in a round nozzle of 5 spacings across is 4 % off */
 
-PetscReal ShapeVolume(Sim sim, Body body)
+/* Whether particles of a body, or a solid of index 'solid', are at x (m), of its shape. */
+static PetscBool IsThere(Sim sim, PetscInt solid, const PetscReal x[DIM])
+{
+  PetscInt        nearest = -1;
+  const PetscReal s       = SceneSolidDistance(sim->scene, x, &nearest);
+
+  return (PetscBool)(solid < 0 ? s > 0 : nearest == solid && s > -PackingSolidDepth(sim->cloud));
+}
+
+PetscReal ShapeVolume(Sim sim, Body body, PetscInt solid)
 {
   const PetscInt dim = sim->domain->dim;
   PetscReal      lower[DIM], upper[DIM], x[DIM] = {0, 0, 0}, cell = 1, step;
@@ -28,8 +37,7 @@ PetscReal ShapeVolume(Sim sim, Body body)
 
     CellCoordinates(n, k, index);
     for (PetscInt d = 0; d < dim; d++) x[d] = lower[d] + (index[d] + 0.5) * (upper[d] - lower[d]) / n[d];
-    if (BodyContains(body, x) && SceneSolidDistance(sim->scene, x, NULL) > 0)
-      inside += DomainPairLength(sim->domain, x, x);
+    if (BodyContains(body, x) && IsThere(sim, solid, x)) inside += DomainPairLength(sim->domain, x, x);
   }
   return cell * inside;
 }
@@ -42,7 +50,7 @@ PetscErrorCode FillingsView(Sim sim, PetscViewer viewer)
     PetscReal  shape, more;
 
     if (!BodyComesLater(body)) continue;
-    shape = ShapeVolume(sim, body);
+    shape = ShapeVolume(sim, body, -1);
     more  = shape > 0 ? StepperFilling(sim->stepper, b, NULL) / shape - 1 : 0;
     if (PetscAbsReal(more) < UNEVEN_FLUX) continue;
     PetscCall(PetscViewerASCIIPrintf(

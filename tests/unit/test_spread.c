@@ -62,14 +62,16 @@ static PetscErrorCode TestCaps(void)
     {SPACE, "zmin", 60, {0, 0, 1}, 5},
     {SPACE, "zmin", 90, {0, 0, 1}, 5},
     {SPACE, "zmin", 120, {0, 0, 1}, 5},
-    {"-box_lower -26,-26,-26 -box_upper 26,26,26 -solids slope -slope_shape half_space -slope_normal 1,0,1 ",
+    {"-box_lower -26,-26,-26 -box_upper 26,26,26 -solids slope -slope_shape half_space -slope_normal 1,0,1 "
+     "-slope_point -0.25,0,-0.25 ",
      "slope",
      90,
      {0.70710678118654752, 0, 0.70710678118654752},
      5},
     {"-dimension axisymmetric -box_lower 0,0 -box_upper 26,26 -box_ymin wall ", "ymin", 90, {0, 1, 0}, NAN},
     {"-dimension 2 -box_lower -26,0 -box_upper 26,26 -box_ymin wall ", "ymin", 60, {0, 1, 0}, NAN},
-    {"-dimension 2 -box_lower -26,-26 -box_upper 26,26 -solids slope -slope_shape half_space -slope_normal 1,1 ",
+    {"-dimension 2 -box_lower -26,-26 -box_upper 26,26 -solids slope -slope_shape half_space -slope_normal 1,1 "
+     "-slope_point -0.25,-0.25 ",
      "slope",
      90,
      {0.70710678118654752, 0.70710678118654752, 0},

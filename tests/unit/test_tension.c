@@ -423,7 +423,7 @@ static PetscErrorCode TestContact(void)
 static PetscErrorCode TestContactSolid(void)
 {
   const PetscInt    block[DIM] = {80, 80, 1};
-  const char *const shape[2]   = {"-s_shape half_space -s_point 0,0 -s_normal -1,1", BALL};
+  const char *const shape[2]   = {"-s_shape half_space -s_point 0,0.5 -s_normal -1,1", BALL};
   const Inside      cap[2] = {InSlopedCap, InRoundCap}, foot[2] = {InSlopedFoot, InRoundFoot};
 
   PetscFunctionBegin;
