@@ -10,7 +10,8 @@
 /* The data of FreeEdge. */
 typedef struct {
   PetscReal           drag[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
-  PetscReal           impulse[RIGID_MOTIONS * SCENE_MAX_BODIES];                /* of 'push' in this step, N s, N m s */
+  PetscReal           impulse[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* of 'push' in this step, N s, N m s */
+  PetscReal           contact[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* impulses of contacts in this step, N s, N m s */
   PetscReal           follow[RIGID_MOTIONS * RIGID_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */
   Cloud               cloud;                                                    /* borrowed */
   PetscInt            couplings;                                                /* free solids */
@@ -31,6 +32,15 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
 PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
 PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
 PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+
+/* FreeTouch - changes the motions of the free bodies, motion[solids][RIGID_MOTIONS], so that they do not enter walls,
+   solids and each other in a step of dt (s) that ends at a time (s), nor close a gap of a spacing within 'leave' (s),
+   and gives sum[solids][RIGID_MOTIONS] the impulses (N s, N m s) that do it; the same on every rank. Collective.
+   FreeFriction, FreeRestitution - the coefficients of a free body. Not collective. */
+PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal leave, PetscReal motion[],
+                         PetscReal sum[]);
+PetscReal      FreeFriction(Body solid);
+PetscReal      FreeRestitution(Body solid);
 
 /* BodyMovesAs - whether two solids have the same motion. BodyMove - moves a point x (m) with the solid from the time
    'from' to the time 'to' (s). Not collective. */

@@ -1,6 +1,7 @@
 /* Free bodies in a step. Pressure and bodies' velocities are solved together (coupling.c):
 
-     U* = U + dt/M (M g + viscous force + excess)      the velocity that their dummy particles have in the projection
+     U* = U + dt/M (M g + viscous force + excess) + contacts (contact.c)
+                                                       the velocity that their dummy particles have in the projection
      U' = U* + dt/M times the force of the equation
 
    The force of the equation, a sum over the pairs of liquid and dummy particles, has an error of some percent of a
@@ -48,23 +49,29 @@ static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[R
 
 static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 {
-  Cloud cloud = StepperCloud(stepper);
+  Cloud     cloud                                     = StepperCloud(stepper);
+  FreeData *data                                      = FreeDataOf(stepper);
+  PetscReal motions[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0};
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
-    PetscReal  center[DIM], motion[RIGID_MOTIONS], impulse[RIGID_MOTIONS], change[RIGID_MOTIONS], *force, *excess;
+    PetscReal  center[DIM], impulse[RIGID_MOTIONS], change[RIGID_MOTIONS], *force, *excess,
+      *motion = motions + RIGID_MOTIONS * b;
 
     if (BodyMass(solid) == 0) continue;
     FreeForces(solid, &force, &excess);
     FreeMotion(solid, center, motion);
-    for (PetscInt k = 0; k < RIGID_MOTIONS; k++)
-      impulse[k] = dt * (FreeDataOf(stepper)->drag[RIGID_MOTIONS * b + k] + excess[k]);
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) impulse[k] = dt * (data->drag[RIGID_MOTIONS * b + k] + excess[k]);
     AddWeight(cloud->scene, solid, dt, impulse);
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] += change[k];
-    FreeSetVelocities(cloud, b, motion, cloud->field[FIELD_VELOCITY_STAR]);
   }
+  PetscCall(FreeTouch(cloud, StepperTime(stepper) + dt, dt, PressureRelaxationTime(StepperPressure(stepper)), motions,
+                      data->contact));
+  for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
+    if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
+      FreeSetVelocities(cloud, b, motions + RIGID_MOTIONS * b, cloud->field[FIELD_VELOCITY_STAR]);
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -131,6 +138,7 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
       excess[k] += share * (balance[RIGID_MOTIONS * b + k] - force[k]);
     }
     AddWeight(cloud->scene, solid, dt, impulse);
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) impulse[k] += FreeDataOf(stepper)->contact[RIGID_MOTIONS * b + k];
     FreePush(solid, StepperTime(stepper) + 0.5 * dt, impulse);
     FreeMotion(solid, center, after);
     for (PetscInt k = 0; k < RIGID_MOTIONS && !rank; k++)

@@ -27,6 +27,7 @@ typedef struct {
 struct _p_Free {
   PetscReal     mass;                    /* kg; kg/m in two dimensions; 0: the solid is not free */
   PetscBool     turns;                   /* the body may rotate */
+  PetscReal     friction, restitution;   /* coefficients of contacts */
   OptionNumbers given;                   /* -<s>_inertia, kg m2 */
   PetscReal     inertia[DIM][DIM];       /* at the start, kg m2 */
   PetscReal     inverse[DIM][DIM];       /* of the inertia at the time of FreeSetTime; 0 if the body may not rotate */
@@ -49,6 +50,14 @@ const OptionRow FreeOptions[] = {
    "dimensions one number, per metre of depth",
    "kg m2", NULL, ROW_NUMBERS, offsetof(struct _p_Free, given), .fallback = "that of a constant density"},
   {"-turns", "A solid with a mass may rotate", NULL, NULL, ROW_BOOL, offsetof(struct _p_Free, turns)},
+  {"-friction",
+   "Friction of a solid with a mass on walls and solids that it touches: force along the surface over that across, at "
+   "most; of two of them the geometric mean counts",
+   "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Free, friction)},
+  {"-restitution",
+   "Speed with which a solid with a mass leaves a wall or solid that it hits, over that with which it came; of two of "
+   "them the geometric mean counts",
+   "1", "[0, 1]", ROW_REAL, offsetof(struct _p_Free, restitution)},
   {.name = NULL},
 };
 
@@ -335,6 +344,16 @@ void FreeAddForce(Body solid, const PetscReal x[DIM], const PetscReal force[DIM]
     sum[d] += force[d];
     sum[DIM + d] += torque[d];
   }
+}
+
+PetscReal FreeFriction(Body solid)
+{
+  return solid->free->friction;
+}
+
+PetscReal FreeRestitution(Body solid)
+{
+  return solid->free->restitution;
 }
 
 PetscReal BodyMass(Body solid)

@@ -67,6 +67,11 @@ LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_
 SHAKEN = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.5 -box_x wall -box_ymin wall -gravity 0,-9.81
  -gravity_amplitude 8,0 -gravity_frequency 4 -bodies water -water_upper 1,0.3 -snapshot_double
  -checkpoint_interval 2e-2 -sort_interval 7 """
+# two boxes and a floor in contact, which slide on each other
+TOUCHING = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies water -water_upper 1,0.36 -snapshot_double -checkpoint_interval 2e-2 -sort_interval 7 -solids low,high
+ -low_upper 0.7,0.14 -low_lower 0.3,0 -low_mass 112 -low_friction 0.5 -high_lower 0.33,0.14 -high_upper 0.62,0.28
+ -high_mass 84 -high_friction 0.2 -high_velocity 0.3,0 """
 STEPS = 24  # of the whole run; the checkpoint falls between
 ROUND_OFF = 1e-10  # on another number of ranks, spacings
 
@@ -177,7 +182,8 @@ def clock():
 
 
 SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, [1, 3]), "plane": (PLANE, 0.02, 1, [2]),
-          "shaken": (SHAKEN, 0.02, 1, []), "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]),
+          "shaken": (SHAKEN, 0.02, 1, []), "touching": (TOUCHING, 0.02, 1, [2]),
+          "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]),
           "tori": (TORI, 1e-3, 1, [3]), "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1]),
           "following": (FOLLOWING, 1e-3, 2, [1]), "following_tori": (FOLLOWING_TORI, 1e-3, 1, [2])}
 ALONE = {"inside": inside, "clock": clock}

@@ -1,0 +1,82 @@
+#!/usr/bin/python3
+"""Free bodies touch walls and each other: exact laws of dry bodies, and boxes in a tank of water."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+SPACING, G = 0.02, 9.81
+# Dry: a layer of water lies at rest behind a step, out of the bodies' reach.
+DRY = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 2,1 -box_x wall -box_ymin wall -bodies water
+ -water_lower 1.76,0 -water_upper 2,0.06 -solids step,a,b -step_lower 1.6,0 -step_upper 1.76,0.3
+ -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3 """
+
+
+def columns(s, body):
+    """x, y, velocities, angle and rate of a body."""
+    def of(kind):
+        return next(s[n] for n in s.dtype.names if n.startswith(body + kind))
+    return [of(k) for k in ("_x", "_y", "_velocity_x", "_velocity_y", "_turn", "_rate")]
+
+
+def dry():
+    # A box slides along the floor and is slowed by friction alone: x = v^2/(2 mu g). A ball falls and rebounds.
+    speed, mu, fall, rebound = 1.0, 0.3, 0.3, 0.6
+    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_lower 0.1,0 -a_upper 0.31,0.13 -a_mass 20 -a_velocity {speed},0
+ -a_friction {mu} -b_shape sphere -b_radius 0.08 -b_center 1.2,{0.08 + fall} -b_mass 7 -b_restitution {rebound}
+ -time_end 0.55""", "slide"))
+    x, y, u, _, turn, _ = columns(s, "a")
+    runs.check_within(x[-1] - x[0], 0.99 * speed**2 / (2 * mu * G), 1.01 * speed**2 / (2 * mu * G), "way of a sliding box")
+    runs.check_below(abs(u[-1]), 1e-6, "it stops")
+    runs.check_below(max(abs(y - y[0]).max() / SPACING, abs(turn).max()), 0.01, "it stays on the floor")
+    _, y, _, v, _, _ = columns(s, "b")
+    y, v = y[s["time"] < 0.4], v[s["time"] < 0.4]  # the first of them
+    low = int(np.argmin(y))
+    runs.check_below(abs(y[low] - 0.08) / SPACING, 0.25, "a ball comes to the floor")
+    runs.check_within(v[low:].max() / np.sqrt(2 * G * fall), 0.97 * rebound, 1.01 * rebound, "and rebounds")
+    # Two bodies without gravity: momentum and angular momentum about the origin are kept, also with friction.
+    mass = {"a": 10.0, "b": 25.0}
+    s = runs.series(runs.run(DRY + f"""-a_lower 0.3,0.5 -a_upper 0.5,0.7 -a_mass {mass['a']} -a_velocity 1,0 -a_friction 0.5
+ -a_rotation_rate 2 -b_lower 0.7,0.6 -b_upper 0.86,0.9 -b_mass {mass['b']} -b_velocity -0.5,0.1 -b_friction 0.2
+ -a_inertia 0.1 -b_inertia 0.3 -time_end 0.35""", "collide"))
+    inertia = {"a": 0.1, "b": 0.3}
+    sums = np.zeros((3, len(s)))
+    for name, m in mass.items():
+        x, y, u, v, _, rate = columns(s, name)
+        sums += np.array([m * u, m * v, m * (x * v - y * u) + inertia[name] * rate])
+    runs.check_below(abs(sums - sums[:, :1]).max(), 1e-9, "momentum of two bodies that collide")
+    runs.check(abs(columns(s, "a")[2] - 1).max() > 0.3, "they collide", "no change of velocity")
+
+
+TANK = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 1.2,0.8 -box_x wall -box_ymin wall -gravity 0,{-G}
+ -bodies water -water_upper 1.2,0.4 -series_interval 0.02 -snapshot_interval 0 """
+PUSHED = TANK.replace("1.2,", "1.6,").replace("1.6,0.4", "1.6,0.5") + """-solids float -float_lower 1.2,0.37
+ -float_upper 1.5,0.57 -float_mass 45 -float_velocity 0.6,0 -checkpoint_interval 0 """
+STACK = TANK + """-solids low,high -low_lower 0.4,0.03 -low_upper 0.8,0.17 -low_mass 112 -low_friction 0.5 -high_lower 0.45,0.2
+ -high_upper 0.75,0.34 -high_mass 84 -high_friction 0.5 """
+
+
+def tank():
+    s = runs.series(runs.run(PUSHED + "-time_end 1.4", "pushed"))
+    x, _, u, _, turn, _ = columns(s, "float")
+    runs.check_below(abs(x[-10:] - (1.6 - 0.15)).max() / SPACING, 0.25, "a box pushed against the end lies at it")
+    runs.check_below(max(abs(u[-10:]).max(), abs(turn[-10:]).max()), 0.02, "and rests")
+    s = runs.series(runs.run(STACK + "-time_end 1 -checkpoint_interval 0", "stack"))
+    for name, level in (("low", 0.07), ("high", 0.21)):
+        _, y, u, v, turn, _ = columns(s, name)
+        runs.check_below(abs(y[-10:] - level).max() / SPACING, 0.25, f"a stack of two boxes: height, {name}")
+        runs.check_below(max(abs(u[-10:]).max(), abs(v[-10:]).max(), abs(turn[-10:]).max()), 0.03, f"and at rest, {name}")
+
+
+def ranks():
+    one, two = (runs.series(runs.run(PUSHED + "-time_end 0.8 -ksp_rtol 1e-8", f"ranks_{n}", n)) for n in (1, 2))
+    a, b = columns(one, "float"), columns(two, "float")
+    runs.check_below(max(abs(a[k][-1] - b[k][-1]) for k in (0, 1)) / SPACING, 0.02, "one and two ranks")
+
+
+PARTS = {"dry": dry, "tank": tank, "ranks": ranks}
+for part in runs.parts(*PARTS):
+    PARTS[part]()
+runs.done()
