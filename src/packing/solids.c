@@ -52,7 +52,7 @@ static PetscErrorCode AddPlane(PetscSegBuffer planes, PetscReal at)
 /* The planes between two faces at low and high (m): half a spacing from both, evenly spaced between. */
 static PetscErrorCode AddBetween(PetscSegBuffer planes, PetscReal spacing, PetscReal low, PetscReal high)
 {
-  const PetscInt n = PetscMax(1, (PetscInt)PetscFloorReal((high - low) / spacing + 0.5 + POINT_TOLERANCE));
+  const PetscInt n = (PetscInt)PetscFloorReal((high - low) / spacing + 0.5 + POINT_TOLERANCE);
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++)
@@ -210,7 +210,7 @@ static PetscReal Room(PetscReal spacing, PetscInt n, const RegionPoint point[], 
    points. */
 static PetscInt Take(PetscReal spacing, PetscInt n, const RegionPoint point[], PetscReal room, PetscReal layer)
 {
-  const PetscInt exact = PetscMax(1, PetscMin(n, (PetscInt)PetscFloorReal(room + 0.5)));
+  const PetscInt exact = PetscMin(n, (PetscInt)PetscFloorReal(room + 0.5));
   PetscInt       best  = exact;
   PetscReal      least = MISFIT * layer;
 
