@@ -24,7 +24,7 @@ def columns(s, body):
 def dry():
     # A box slides along the floor and is slowed by friction alone: x = v^2/(2 mu g). A ball falls and rebounds.
     speed, mu, fall, rebound = 1.0, 0.3, 0.3, 0.6
-    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_lower 0.1,0 -a_upper 0.31,0.13 -a_mass 20 
+    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_lower 0.1,0 -a_upper 0.31,0.13 -a_mass 20
  -a_velocity {speed},0 -a_friction {mu} -b_shape sphere -b_radius 0.08 -b_center 1.2,{0.08 + fall} -b_mass 7
  -b_restitution {rebound}
  -time_end 0.55""", "slide"))
