@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The edits of tests/mutants apply to the present sources, each exactly once, and the tests they name are there."""
+"""The edits of tests/mutants apply to the present sources, each exactly once, the tests they name are there, and one of
+them runs after a change of the file."""
 import os
 import sys
 
@@ -9,4 +10,6 @@ import verdict  # noqa: E402
 
 mutants = edits.read()
 wrong = edits.mistakes(mutants)
+wrong += [f"{m.name}: a change of {m.file} asks for none of {', '.join(m.tests)}: see tests/table.txt"
+          for m in edits.unwatched(mutants)]
 verdict.end("mutants", wrong, f"{len(mutants)} edits apply")

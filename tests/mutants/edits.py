@@ -27,6 +27,7 @@ import run  # noqa: E402
 
 KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
+DEAR = 60  # s of a test that need not run after each change of a file whose bugs it sees
 PLACES = re.compile(r"src/(?:\w+/)?\w+\.[ch]$|src/pictures/\w+\.js$|"
                     r"(src/answers|src/pictures|src/python|tests/tradeoff|tests/verify)/\w+\.py$")
 
@@ -72,6 +73,25 @@ def exists(test):
     if name.startswith(VERIFY) and not name.endswith(".py"):
         return any(entry.id == name[len(VERIFY):] and entry.size == cases.TEST for entry in cases.ENTRIES)
     return not ranks and os.access(os.path.join(ROOT, "tests", name), os.X_OK)
+
+
+def is_of(test, job):
+    """Whether a test of the list is, or has as a part, a job of tests/run.py."""
+    name, _, ranks = test.partition(" on ")
+    if name.startswith("unit/"):
+        return job.name == f"{name}@{ranks or 1}"
+    if name.startswith(VERIFY) and not name.endswith(".py"):
+        return job.name == f"{VERIFY}entries.py:{name[len(VERIFY):]}"
+    return job.name.partition(":")[0] == name
+
+
+def unwatched(mutants):
+    """Those for whose file `make check CHANGED=1` runs none of their tests, though one takes less than DEAR: the table
+    of tests/run.py watches too little."""
+    jobs = [job for job in run.find(run.read_table(), run.FOLDERS) if job.row and job.row.set != "long"]
+    chosen = {file: run.watching(jobs, [file]) for file in {m.file for m in mutants}}
+    return [m for m in mutants if not any(is_of(test, job) for test in m.tests for job in chosen[m.file])
+            and any(is_of(test, job) and job.row.seconds < DEAR for test in m.tests for job in jobs)]
 
 
 def mistakes(mutants):
