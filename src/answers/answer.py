@@ -38,7 +38,7 @@ GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
 PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost; s
 FIRST, DEAR = 3, 0.1  # packings of the first spacing, for at most this share of the budget if its price is known
 CHEAP = ((FIRST, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
-CHANCE = 0.5  # of the accuracy, that chance may have
+CHANCE, ALONE = 0.5, 0.8  # of the accuracy, that chance may have; with a single packing
 PROOF_ACROSS = 8  # there whole and reduced scene are compared
 PROOF = 0.1  # of the budget, for the whole scene there
 ALIKE = 0.1  # relative difference of two models at a coarse spacing that is not the model's
@@ -132,9 +132,13 @@ class Answer:
 
     def needed(self, verdicts):
         """How many packings the next spacing needs so that chance is CHANCE of the accuracy, if it is as large there;
-        the first two spacings have several, to tell."""
+        the first two spacings have several, to tell. One, if with it chance would leave the accuracy to be met: more
+        follow where they are wanted."""
         one = [v.chance * math.sqrt(len(self.rungs[-1][1])) for v in verdicts]
-        wanted = [CHANCE * self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
+        due = [self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
+        if len(self.rungs) > 1 and all(c <= ALONE * d for c, d in zip(one, due)):
+            return 1
+        wanted = [CHANCE * d for d in due]
         many = max((c / w)**2 if w > 0 else math.inf for c, w in zip(one, wanted))
         return max(2 if len(self.rungs) < 2 else 1, math.ceil(min(many, FIRST) - ROUNDING))
 

@@ -13,7 +13,7 @@ LAST = 0.1  # of a run: its end, which is not at rest if the curve changes in it
 MOVED, RESTS = 0.01, 0.02  # the second is that of -stop_at_rest
 ENERGIES = ["kinetic_energy", "potential_energy", "surface_energy"]  # which rest where all does
 LONGEST = 20  # times the scene's time, in which a run must come to rest
-PASSED = 0.5  # of the range of a curve, by which it stays below its extreme when that has passed
+PASSED = 0.3  # of the range of a curve, by which it stays below its extreme when that has passed
 LATER = 1.1  # times that time, until which a run at a finer spacing goes
 START = 0.05  # of the run: an extreme pressure or force in it may be the packing's
 
