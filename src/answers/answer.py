@@ -38,7 +38,7 @@ GROWTH = 4.0  # a finer run costs RATIO to this power, until two runs tell
 PATIENCE, LEAST_PATIENCE = 5, 60  # times what a run should cost; s
 FIRST, DEAR = 3, 0.1  # packings of the first spacing, for at most this share of the budget if its price is known
 CHEAP = ((FIRST, 0.2), (2, 0.5))  # so many packings, if together they cost at most this share of the budget
-CHANCE, ALONE = 0.5, 0.8  # of the accuracy, that chance may have; with a single packing
+CHANCE = 0.5  # of the accuracy, that chance may have
 PROOF_ACROSS = 8  # there whole and reduced scene are compared
 PROOF = 0.1  # of the budget, for the whole scene there
 ALIKE = 0.1  # relative difference of two models at a coarse spacing that is not the model's
@@ -130,17 +130,19 @@ class Answer:
     def enough(self, verdicts):
         return all(v.bar <= self.arguments.accuracy / 100 * abs(v.value) for v in verdicts)
 
-    def needed(self, verdicts):
-        """How many packings the next spacing needs so that chance is CHANCE of the accuracy, if it is as large there;
-        the first two spacings have several, to tell. One, if with it chance would leave the accuracy to be met: more
-        follow where they are wanted."""
-        one = [v.chance * math.sqrt(len(self.rungs[-1][1])) for v in verdicts]
-        due = [self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
-        if len(self.rungs) > 1 and all(c <= ALONE * d for c, d in zip(one, due)):
+    def needed(self, verdicts, cost):
+        """How many packings a spacing begins with: the first two have several, to tell how large chance is, the second
+        as many as chance needs to be CHANCE of the accuracy, if the budget bears them; the others have one, and more
+        where chance is the larger error (more_packings)."""
+        if not self.rungs:
+            return FIRST
+        if len(self.rungs) > 1:
             return 1
-        wanted = [CHANCE * d for d in due]
+        one = [v.chance * math.sqrt(len(self.rungs[-1][1])) for v in verdicts]
+        wanted = [CHANCE * self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
         many = max((c / w)**2 if w > 0 else math.inf for c, w in zip(one, wanted))
-        return max(2 if len(self.rungs) < 2 else 1, math.ceil(min(many, FIRST) - ROUNDING))
+        return min(max(2, math.ceil(min(many, FIRST) - ROUNDING)), next(
+            (n for n, share in CHEAP if n * cost <= share * self.arguments.budget), 1))
 
     def more_packings(self, verdicts):
         """Whether chance is the larger error, and packings at this spacing are cheaper than a finer spacing."""
@@ -165,8 +167,7 @@ class Answer:
             cost = self.guess(spacing)
             if self.rungs and self.spent + cost > budget:
                 return verdicts, f"the next spacing, {spacing:.3g} m, would cost some {cost:.0f} s"
-            count = FIRST if not self.rungs else min(self.needed(verdicts), next(
-                (n for n, share in CHEAP if n * cost <= share * budget), 1))
+            count = self.needed(verdicts, cost)
             good = self.run(spacing, range(self.seed, self.seed + count))
             step += 1
             if not good:

@@ -422,11 +422,13 @@ def couette(time):
 def packings():
     """Chance decides how many packings a spacing needs."""
     found = answer.Answer(*asked("packings", TANK.format("0.3"), "highest:max")[:3])
-    for chance, count, spacings, due in ((0.05, 3, 2, 1), (0.2, 1, 2, 3), (0.1, 2, 2, 1), (0.12, 2, 2, 3), (0.02, 3, 1, 2), (9, 2, 2, 3),
-                                         (math.inf, 1, 2, 3)):
-        found.rungs = [(1, [None] * count)] * spacings
+    for chance, count, spacings, cost, due in ((0, 0, 0, 1, 3), (0.02, 3, 1, 1, 2), (9, 2, 1, 1, 3),
+                                               (math.inf, 1, 1, 1, 3), (9, 3, 1, 4, 2), (9, 3, 1, 9, 1),
+                                               (9, 3, 2, 1, 1)):
+        found.rungs = [(1, [None] * count)] * spacings  # budget 20 s
         one = argparse.Namespace(chance=chance * 0.5, value=1)  # the accuracy is 10 %
-        runs.check(found.needed([one]) == due, f"packings_for_{chance:g}_of_{count}", str(found.needed([one])))
+        runs.check(found.needed([one], cost) == due, f"packings_for_{chance:g}_of_{count}_{spacings}_{cost}",
+                   str(found.needed([one], cost)))
     code, said, spent = launch.start(found.scene, ["-spacing", "0.03", "-output_dir", runs.scratch("bounded")], 1)
     runs.check(code and "not done after 1 s of the processor" in said and 0.8 <= spent < 3, "a_run_has_a_bound",
                f"{code}, {said}, {spent}")
