@@ -23,7 +23,7 @@ extern const char *const FaceNames[DIM][2]; /* "xmin" ... "zmax" */
    Graded spacing (-spacing_coarse): the spacing grows from 'spacing' to 'spacing_coarse' with the distance from the
    regions of -fine (SceneSpacing). A particle keeps its initial volume s^dim and smoothing length (in spacings)
    wherever it moves. Rings join and split, so a ring keeps its smoothing length only. An adaptive spacing
-   (-spacing_follow) changes during the run, and all particles join and split for it (resampling.h). */
+   (-spacing_follow) changes during the run, and all particles join and split for it (resampling/). */
 typedef struct _p_Domain *Domain;
 typedef struct _p_Scene  *Scene; /* of higher floors, passed on */
 typedef struct _p_Cloud  *Cloud;

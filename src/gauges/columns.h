@@ -26,7 +26,6 @@ typedef struct GaugeKind {
   void (*defaults)(Gauges gauges, void *data);                                       /* before */
   PetscErrorCode (*more)(Gauges gauges, OptionItems PetscOptionsObject, void *data); /* reads what the table has not */
   PetscErrorCode (*check)(Gauges gauges, void *data); /* refuses bad values, after the block */
-  PetscErrorCode (*view)(Gauges gauges, const void *data, PetscViewer viewer);
   PetscErrorCode (*columns)(Gauges gauges, const void *data, ColumnList *list);   /* adds its rows of the series */
   PetscErrorCode (*measure)(Gauges gauges, const void *data, PetscReal values[]); /* of the simulated part */
   PetscBool         needs_sums;          /* 'measure' reads fields that OperatorsMoments and TensionApply write */

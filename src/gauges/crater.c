@@ -360,6 +360,5 @@ const GaugeKind GaugeCrater = {.bytes    = sizeof(Crater),
                                .defaults = CraterDefaults,
                                .more     = CraterMore,
                                .check    = CraterCheck,
-                               .view     = CraterView,
                                .columns  = Columns_Crater,
                                .measure  = Measure_Crater};

@@ -122,15 +122,3 @@ PetscErrorCode CraterCheck(Gauges gauges, void *data)
   PetscCheckUser(crater->radius >= 0, gauges->comm, "-gauge_axis must lie in the box.");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode CraterView(Gauges gauges, const void *data, PetscViewer viewer)
-{
-  const Crater *crater = data;
-
-  PetscFunctionBegin;
-  if (!crater->wanted) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  gauges: axis %g %g m, jet radius %g m, crater radius %g m, pool %s\n",
-                                   (double)crater->axis[0], (double)crater->axis[1], (double)crater->jet_radius,
-                                   (double)crater->radius, crater->pool_name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

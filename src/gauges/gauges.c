@@ -104,14 +104,6 @@ PetscErrorCode GaugesSetFromOptions(Gauges gauges)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; Kind(k); k++)
-    if (Kind(k)->view) PetscCall(Kind(k)->view(gauges, gauges->data[k], viewer));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Lists the rows of the series and of the tables that are written. */
 static PetscErrorCode List(Gauges gauges)
 {

@@ -82,7 +82,6 @@ void GaugesSetRun(Gauges gauges, void *run);
 void GaugesSetRefresh(Gauges gauges, PetscErrorCode (*refresh)(void *context), void *context);
 /* GaugesSetFromOptions - reads all options -gauge_...; refuses (UserError) values out of range. Collective. */
 PetscErrorCode GaugesSetFromOptions(Gauges gauges);
-PetscErrorCode GaugesView(Gauges gauges, PetscViewer viewer);
 PetscErrorCode GaugesDestroy(Gauges *gauges);
 
 /* GaugesTotals - sums over the particles of the swarm. Collective. */

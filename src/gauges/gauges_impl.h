@@ -118,14 +118,13 @@ typedef struct {
   } given; /* the axis, as the user gave it */
 } Crater;
 
-/* CraterOptions, CraterDefaults, CraterMore, CraterCheck, CraterView - of the GaugeKind. GaugeBodyBounds - bounding box
+/* CraterOptions, CraterDefaults, CraterMore, CraterCheck - of the GaugeKind. GaugeBodyBounds - bounding box
    of a body inside the box, m. CraterMirrors - number of symmetry faces that hold the axis. The last two are not
    collective. */
 extern const OptionRow CraterOptions[];
 void                   CraterDefaults(Gauges gauges, void *data);
 PetscErrorCode         CraterMore(Gauges gauges, OptionItems PetscOptionsObject, void *data);
 PetscErrorCode         CraterCheck(Gauges gauges, void *data);
-PetscErrorCode         CraterView(Gauges gauges, const void *data, PetscViewer viewer);
 void                   GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal lower[DIM], PetscReal upper[DIM]);
 PetscInt               CraterMirrors(Gauges gauges, const Crater *crater);
 

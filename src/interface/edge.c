@@ -10,7 +10,7 @@ static PetscBool On(Stepper stepper)
 static PetscErrorCode Create(Stepper stepper)
 {
   PetscFunctionBegin;
-  if (On(stepper)) PetscCall(TensionSetSurfaces(StepperTension(stepper), InterfaceApply));
+  if (On(stepper)) TensionSetSurfaces(StepperTension(stepper), InterfaceApply);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,10 +55,13 @@ static PetscErrorCode Diagnose(Stepper stepper, StepTrial *trial)
 
 /* The work of tension on the whole surface of each liquid, towards gas and the other liquid, with its part of the
    pressure, cloud->pressure_jump, at the velocity v in the middle of the step: as on the free surface. */
-static void SumWork(Cloud cloud, PetscReal dt, const PetscReal v[], StepTrial *trial)
+static PetscErrorCode Work(Stepper stepper, PetscReal dt, PetscReal v[], StepTrial *trial)
 {
+  const Cloud      cloud  = StepperCloud(stepper);
   const PetscReal *normal = cloud->field[FIELD_NORMAL];
 
+  PetscFunctionBegin;
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, v));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscInt at = SUM_SURFACES + SURFACE_SUMS * (1 + cloud->liquid[a]);
     PetscReal      n[DIM], flow, area = TrialSurfaceArea(cloud, a);
@@ -73,21 +76,6 @@ static void SumWork(Cloud cloud, PetscReal dt, const PetscReal v[], StepTrial *t
     trial->sum[at + 1] += area;
     trial->sum[at + 2] += cloud->pressure_jump[a] * area;
   }
-}
-
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
-{
-  const Cloud      cloud = StepperCloud(stepper);
-  const PetscReal *v = cloud->field[FIELD_VELOCITY], *v_new = cloud->field[FIELD_VELOCITY_NEW];
-  PetscReal       *mean;
-
-  PetscFunctionBegin;
-  if (TensionReach(StepperTension(stepper)) <= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(CloudGetWork(cloud, DIM, &mean));
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) mean[k] = 0.5 * (v[k] + v_new[k]);
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, mean));
-  SumWork(cloud, dt, mean, trial);
-  PetscCall(CloudRestoreWork(cloud, &mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,4 +90,4 @@ static const Refusal refusals[] = {
 };
 
 const Edge InterfaceEdge = {
-  .name = "interface", .refusals = refusals, .on = On, .create = Create, .diagnose = Diagnose, .kick = Kick};
+  .name = "interface", .refusals = refusals, .on = On, .create = Create, .diagnose = Diagnose, .work = Work};

@@ -88,29 +88,6 @@ PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ViewInterval(PetscViewer viewer, const char what[], PetscReal interval, const char otherwise[])
-{
-  PetscFunctionBegin;
-  if (interval > 0)
-    PetscCall(PetscViewerASCIIPrintf(viewer, "  %s every %g s\n", what, (double)interval));
-  else
-    PetscCall(PetscViewerASCIIPrintf(viewer, "  %s %s\n", what, otherwise));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode OutputView(Output output, PetscViewer viewer)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Output: folder %s\n", output->folder));
-  PetscCall(ViewInterval(viewer, "series", output->series.interval, "every step"));
-  PetscCall(ViewInterval(viewer, "snapshots", output->snapshot.interval, "of the first and the last state"));
-  PetscCall(SnapshotView(output, viewer));
-  PetscCall(ViewInterval(viewer, "checkpoints", output->checkpoint.interval, "at the end only"));
-  PetscCall(ViewInterval(viewer, "one by the clock", output->clock_interval, "never"));
-  PetscCall(GaugesView(output->gauges, viewer));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode OutputStep(Output output, const StepState *state, PetscBool last)
 {
   const PetscBool line = (PetscBool)(state->step != output->series_step &&

@@ -24,7 +24,6 @@ PetscErrorCode OutputSetFromOptions(Output output);
    the series and the snapshots behind the state and continues them. Call it when nothing else can refuse the run.
    Collective. */
 PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state);
-PetscErrorCode OutputView(Output output, PetscViewer viewer);
 /* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
    twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full or
    the folder is gone. Collective. */

@@ -162,7 +162,6 @@ PetscErrorCode SeriesFinish(Output output);
    values, after the block. Collective. */
 PetscErrorCode SnapshotSetFromOptions(Output output, OptionItems PetscOptionsObject);
 PetscErrorCode SnapshotCheck(Output output);
-PetscErrorCode SnapshotView(Output output, PetscViewer viewer);
 /* SnapshotFieldAt - field f of 0 .. SNAPSHOT_FIELDS - 1. SnapshotUnit - its unit in the scene's dimensions, "1" for a
    pure number. Not collective. */
 SnapshotField SnapshotFieldAt(PetscInt f);

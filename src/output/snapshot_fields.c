@@ -135,19 +135,3 @@ PetscErrorCode SnapshotCheck(Output output)
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode SnapshotView(Output output, PetscViewer viewer)
-{
-  const SnapshotSetup *content = &output->content;
-
-  PetscFunctionBegin;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "    of"));
-  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_FALSE));
-  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++)
-    if (content->fields & 1U << f) PetscCall(PetscViewerASCIIPrintf(viewer, " %s", SnapshotFieldAt(f).column.name));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s, %s precision, compression %d\n",
-                                   content->region ? " in a part of the box" : "",
-                                   content->precise ? "double" : "single", (int)content->compression));
-  PetscCall(PetscViewerASCIIUseTabs(viewer, PETSC_TRUE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

@@ -1,6 +1,6 @@
 /* Joining and splitting of particles after a step. */
 #include "../stepper/edge.h"
-#include "resampling.h"
+#include "resampling_impl.h"
 
 #define NAME "resampling"
 

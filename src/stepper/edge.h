@@ -120,6 +120,9 @@ typedef struct {
   PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
   /* after the energies of a trial are summed, at the positions of the last search: adds its own */
   PetscErrorCode (*diagnose)(Stepper stepper, StepTrial *trial);
+  /* with tension, before 'kick': the work of its pressure at the mean velocities of the step ([n_total][3], m/s, not
+     yet of ghosts) */
+  PetscErrorCode (*work)(Stepper stepper, PetscReal dt, PetscReal mean[], StepTrial *trial);
   /* after the pressure has made FIELD_VELOCITY_NEW */
   PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.

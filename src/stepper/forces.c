@@ -100,6 +100,7 @@ PetscErrorCode StepTensionWork(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(CloudGetWork(cloud, DIM, &mean));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) mean[k] = 0.5 * (v[k] + v_new[k]);
   SumCapillaryWork(cloud, dt, mean, trial);
+  StepHook(stepper, work, stepper, dt, mean, trial);
   PetscCall(CloudRestoreWork(cloud, &mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -41,16 +41,6 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepperSetScheme(Stepper s, const char name[])
-{
-  const Choice *choice;
-
-  PetscFunctionBegin;
-  PetscCall(ChoiceFind(s->cloud->comm, Schemes, "-scheme", name, &choice));
-  PetscCall(SetScheme(s, choice));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Refuses liquids whose densities are too far apart. */
 static PetscErrorCode CheckDensities(Stepper s)
 {

@@ -98,9 +98,6 @@ PetscErrorCode     StepperReport(Scene scene, const StepState *state, PetscReal 
 
 /* StepperCreate - of a cloud, with its tension and pressure (all borrowed). Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
-/* StepperSetScheme - chooses a registered scheme, which sets the pressure's types and all its own defaults.
-   Collective. */
-PetscErrorCode StepperSetScheme(Stepper stepper, const char name[]);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
    -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),

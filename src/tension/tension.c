@@ -136,11 +136,9 @@ void TensionJson(Tension tension, Json *json)
   JsonEnd(json);
 }
 
-PetscErrorCode TensionSetSurfaces(Tension tension, TensionSurfaces surfaces)
+void TensionSetSurfaces(Tension tension, TensionSurfaces surfaces)
 {
-  PetscFunctionBegin;
   tension->surfaces = surfaces;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode TensionDestroy(Tension *tension)

@@ -53,7 +53,7 @@ typedef struct {
    model calls in place of TensionSurface for all liquid. Collective. */
 typedef PetscErrorCode (*TensionSurfaces)(Tension tension, Cloud cloud);
 PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase);
-PetscErrorCode TensionSetSurfaces(Tension tension, TensionSurfaces surfaces);
+void           TensionSetSurfaces(Tension tension, TensionSurfaces surfaces);
 /* TensionHasHysteresis - whether a wall or solid has hysteresis. TensionHasAngles - whether some contact angle is not
    90 degrees or has hysteresis. Not collective. */
 PetscBool TensionHasHysteresis(Tension tension);

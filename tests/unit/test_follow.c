@@ -1,7 +1,7 @@
 /* The spacing follows the surface: the target for known shapes, what joins and splits keep, the bound on particles.
    Lengths in fine spacings. Runs on any number of ranks. */
 #include "../../src/following/following_impl.h"
-#include "../../src/resampling/resampling.h"
+#include "../../src/resampling/resampling_impl.h"
 #include "setup.h"
 #include "check.h"
 

@@ -3,7 +3,7 @@
    spacings. Runs on any number of ranks. */
 #include "../../src/emitters/emitters_impl.h"
 #include "../../src/neighbors/pairs.h"
-#include "../../src/resampling/resampling.h"
+#include "../../src/resampling/resampling_impl.h"
 #include "setup.h"
 #include "refuse.h"
 

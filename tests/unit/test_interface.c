@@ -24,7 +24,7 @@ static PetscErrorCode Open(const char options[], Setup *s)
   PetscCall(SetupMoments(s));
   PetscCall(PetscArrayzero(s->cloud->field[FIELD_VELOCITY_STAR], DIM * s->cloud->n_owned));
   PetscCall(SetupDivergence(s));
-  PetscCall(TensionSetSurfaces(s->tension, InterfaceApply));
+  TensionSetSurfaces(s->tension, InterfaceApply);
   PetscCall(TensionApply(s->tension, s->cloud));
   PetscCall(PressureCreate(s->cloud, &s->pressure));
   PetscCall(PressureSetTypes(s->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));

@@ -1,5 +1,5 @@
 /* Small particles among large ones join them. Lengths in fine spacings. Runs on any number of ranks. */
-#include "../../src/resampling/resampling.h"
+#include "../../src/resampling/resampling_impl.h"
 #include "setup.h"
 #include "check.h"
 

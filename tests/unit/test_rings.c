@@ -1,6 +1,6 @@
 /* Rings (-dimension axisymmetric): volumes, and the operators near the axis against fields with known answers. Lengths
    in spacings. Runs on any number of ranks. */
-#include "../../src/resampling/resampling.h"
+#include "../../src/resampling/resampling_impl.h"
 #include "setup.h"
 #include "check.h"
 
