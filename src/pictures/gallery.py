@@ -11,11 +11,13 @@ import glob
 import html
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
 import time
 
+import report
 import tables
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -47,7 +49,7 @@ def ran(names, limit, jobs):
 
 
 def reported(run, place, reference=None):
-    """Draws the report of a run, unless it is there, and puts it and its first picture into a folder of the site.
+    """Draws the report of a run, unless it is there, and puts it and its pictures into a folder of the site.
     reference: a file of the case to be shown beside it."""
     page_of = os.path.join(run.folder, "report.html")
     commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES, "--scripts",
@@ -59,8 +61,10 @@ def reported(run, place, reference=None):
             if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its
                 subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # display to another program
     shutil.copy(page_of, os.path.join(place, "report.html"))
-    drawn = [os.path.join(run.folder, "figures", name) for name in ("surface.png", "section.png")]
-    shutil.copy(next(path for path in drawn if os.path.exists(path)), os.path.join(place, "run.png"))
+    os.makedirs(os.path.join(place, "figures"), exist_ok=True)
+    for name, _ in report.PICTURES:
+        if os.path.exists(os.path.join(run.folder, "figures", name)):
+            shutil.copy(os.path.join(run.folder, "figures", name), os.path.join(place, "figures"))
 
 
 def said(run, scene):
@@ -69,7 +73,9 @@ def said(run, scene):
         return f'<p class="run">This case was not run here: {html.escape(run)}</p>'
     end, last = run.scene["time_end"], run.series["time"][-1]
     whole = "" if end is None or last >= end * (1 - 1e-6) else f" (to {last:.3g} of {end:.3g} s)"
-    return (f'<p class="run"><a href="report.html"><img src="run.png" alt="moments of the run"></a><br>'
+    drawn = next(name for name in ("surface.png", "section.png")
+                 if os.path.exists(os.path.join(run.folder, "figures", name)))
+    return (f'<p class="run"><a href="report.html"><img src="figures/{drawn}" alt="moments of the run"></a><br>'
             f'<a href="report.html">The liquid to turn and play, with its curves</a>; <a href="{scene}">the option '
             f'file</a>; {run.series["particles"][-1]:.0f} particles, {run.series["step"][-1]:.0f} steps, '
             f'{run.series["wall_time"][-1]:.3g} s on one core{whole}.</p>')
@@ -139,16 +145,16 @@ def main():
         file.write('<!DOCTYPE html><html><head><meta charset="utf-8"><meta http-equiv="refresh" content="0; '
                    'url=cases/README.html"><title>isph</title></head><body><a href="cases/README.html">isph: the cases'
                    '</a></body></html>\n')
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
     size = sum(os.path.getsize(os.path.join(folder, file)) for folder, _, files in os.walk(output) for file in files)
     print(f"{os.path.join(output, 'index.html')}: {len(found(PAGES))} pages, {size / 1e6:.0f} MB, "
-          f"{time.monotonic() - began:.0f} s")
+          f"{time.monotonic() - began:.0f} s, {used.ru_utime + used.ru_stime:.0f} s of processor time")
 
 
 if __name__ == "__main__":
     with tables.polite("gallery.py"):
         import concurrent.futures
         import markdown
-        import report
         sys.path.insert(0, os.path.join(HERE, "..", "python"))
         import isph
         main()

@@ -7,7 +7,7 @@ It has scene, liquids, walls, dimensionless numbers, the liquid through time to 
 at, the energies, the cost of the run, its messages and options, and how to cite. The pictures are those of figures/;
 missing pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most
 particles. --reference: a table with columns of the series' names, which the curves show beside the run's. --scripts: an
-address from which the page takes its scripts (SCRIPTS), so that many pages share them.
+address from which the page takes its scripts (SCRIPTS), so that many pages share them; pictures are linked then.
 """
 import argparse
 import base64
@@ -212,9 +212,9 @@ def curves(series, rows, arguments):
             f'{part("series", values, SCRIPTS[3:], arguments.scripts)}')
 
 
-def pictures(folder, files):
-    """The pictures as parts of the page; draws them first if the last snapshot is newer. Those that a case has drawn by
-    a program of its own are enough."""
+def pictures(folder, files, linked):
+    """The pictures as parts of the page, or linked in figures/; draws them first if the last snapshot is newer. Those
+    that a case has drawn by a program of its own are enough."""
     figures = os.path.join(folder, "figures")
     drawn = [os.path.join(figures, name) for name in ("figure_1.png", "section.png")]
     if not any(os.path.exists(path) and os.path.getmtime(path) >= os.path.getmtime(files[-1][1]) for path in drawn):
@@ -224,8 +224,9 @@ def pictures(folder, files):
         path = os.path.join(figures, name)
         if os.path.exists(path):
             with open(path, "rb") as file:
-                image = base64.b64encode(file.read()).decode()
-            text += f'<h2>{title}</h2>\n<img alt="{title}" src="data:image/png;base64,{image}">\n'
+                whole = base64.b64encode(file.read()).decode()
+            image = f"figures/{name}" if linked else f"data:image/png;base64,{whole}"
+            text += f'<h2>{title}</h2>\n<img alt="{title}" src="{image}">\n'
     return text
 
 
@@ -243,7 +244,7 @@ def main():
     run = data.Run(arguments.folder)
     scene, series = run.scene, tables.read_series(arguments.folder)
     body = ("<h2>Scene</h2>\n" + setting(scene) + liquids(scene) + "\n" + through_time(run, arguments)
-            + pictures(arguments.folder, run.files) + curves(series, run.rows, arguments)
+            + pictures(arguments.folder, run.files, arguments.scripts) + curves(series, run.rows, arguments)
             + "<h2>Where the energy went</h2>\n" + energy(series, run.rows) + "<h2>What it cost</h2>\n"
             + cost(series, scene) + "<h2>Messages and options</h2>\n"
             + text_file(arguments.folder, "log.txt", "What the program said, with its budget of errors")

@@ -138,6 +138,7 @@ def liquid(run, state, most, coarser):
     balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
     cells = np.concatenate([cells, balls[2] + len(points)])
     points, cells = thin(np.concatenate([points, balls[0]]).astype(float), cells, most)
+    points = fluid.cut(points)
     return points, cells, None, fluid.normals(points), fluid.values(points)
 
 

@@ -79,7 +79,7 @@ class Fluid:
 
     def __init__(self, run, points, values, share, size, coarser=1):
         inside = np.all((points >= run.lower - run.spacing) & (points <= run.upper + run.spacing), axis=1)
-        self.points, self.spacing = points[inside], run.spacing
+        self.points, self.spacing, self.run = points[inside], run.spacing, run
         self.share = share = share[inside]
         values, size = values[inside], size[inside]
         self.axes = axes = [0, 2] if run.rings else [0, 1, 2]
@@ -124,6 +124,21 @@ class Fluid:
         slope = sum((surface.sample(self.fraction, self.places(points - one))
                      - surface.sample(self.fraction, self.places(points + one)))[:, None] * one for one in sides)
         return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-30)
+
+    def cut(self, points):
+        """Points of the surface [n][3]; those beyond faces that are not open are put onto these: the surface ends
+        within a cell and a half behind the face."""
+        run, points = self.run, points.copy()
+        for axis in self.axes:
+            for side, face in enumerate((run.lower[axis], run.upper[axis])):
+                if run.faces[axis][side] == "open":
+                    continue
+                if run.rings and axis == 0:
+                    reach = np.maximum(np.hypot(*points[:, :2].T), 1e-300)
+                    points[:, :2] *= np.minimum(1, run.upper[0] / reach)[:, None]
+                else:
+                    points[:, axis] = (np.minimum if side else np.maximum)(points[:, axis], face)
+        return points
 
     def mesh(self):
         """Points, normals, triangles of the surface, and which particles are outside it."""
@@ -241,7 +256,7 @@ class Shape:
     def __init__(self, run, state, color, ends, colormap):
         fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share, state.size)
         points, normals, cells, lonely = fluid.mesh()
-        normals = surface.softened(normals, cells)
+        points, normals = fluid.cut(points), surface.softened(normals, cells)
         balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
         cells = np.concatenate([cells, balls[2] + len(points)])
         points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])

@@ -19,7 +19,7 @@ site = runs.scratch("site")
 done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src", "pictures", "gallery.py"), "--cases", "free_fall",
                        "nowhere", "--output", site], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                       env=runs.environment(), check=False)
-runs.check(done.returncode == 0 and re.search(r"\d+ pages, \d+ MB, \d+ s$", done.stdout), "gallery", done.stdout[-400:])
+runs.check(done.returncode == 0 and re.search(r"\d+ pages, \d+ MB, \d+ s, \d+ s of processor time$", done.stdout), "gallery", done.stdout[-400:])
 pages = glob.glob(os.path.join(site, "**", "*.html"), recursive=True)
 broken, servers = [], []
 for path in pages:
@@ -44,7 +44,7 @@ with open(os.path.join(case, "report.html"), encoding="utf-8") as file:
     shared = re.findall('<script src="([^"]+)"', file.read())
 runs.check(len(shared) == 5 and all(os.path.exists(os.path.join(case, path)) for path in shared), "shared_scripts",
            str(shared))
-runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "run.png")),
+runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "figures/section.png")),
            "report_of_a_case", str(os.listdir(case)))
 sys.path.insert(0, os.path.join(runs.ROOT, "src", "pictures"))
 import gallery  # noqa: E402

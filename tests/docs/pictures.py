@@ -156,7 +156,10 @@ runs.check(same(points[1:], extra), "images_in_walls", points.tolist())
 places = np.stack(np.meshgrid(*[D0 * (np.arange(8) + 0.5)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + [0.1, 0, 0]
 one = np.ones(len(places))
 fluid = views.Fluid(run, places, 7 * one[:, None], one, one)
-values = fluid.values(fluid.mesh()[0])
+corners = fluid.cut(fluid.mesh()[0])
+runs.check(corners[:, 2].min() == 0 and np.isclose(corners[:, 2], 0).sum() > 20, "liquid_ends_at_a_wall",
+           corners.min(axis=0))
+values = fluid.values(corners)
 runs.check_within(values.min(), 6.9, 7, "least_value_on_the_surface")
 runs.check_within(values.max(), 7, 7.1, "greatest_value_on_the_surface")
 
