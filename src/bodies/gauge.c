@@ -13,12 +13,9 @@ static PetscInt Directions(Domain domain, Kind kind, PetscInt *first)
 {
   const PetscBool turning = (PetscBool)(kind >= COLUMN_TURN);
 
-  if (domain->rings) {
-    *first = 1;
-    return turning ? 0 : 1;
-  }
-  *first = turning && domain->dim == 2 ? 2 : 0;
-  return turning && domain->dim == 2 ? 1 : domain->dim;
+  *first = turning && domain->dim == 2 ? 2 : DomainFirstStraight(domain);
+  if (turning && domain->dim == 2) return DomainIsFlat(domain) ? 1 : 0;
+  return domain->dim - *first;
 }
 
 /* The index in -solids of free body number k; -1: no such body. */

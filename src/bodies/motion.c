@@ -283,7 +283,8 @@ static PetscErrorCode ShareTable(Body body)
   if (rank) PetscCall(PetscMalloc1(TABLE_ROW * m->rows, &m->table));
   PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)(TABLE_ROW * m->rows), MPIU_REAL, 0, comm));
   for (PetscInt k = 0; k < m->rows; k++)
-    PetscCheckUser(!body->domain->rings || (m->table[TABLE_ROW * k + 1] == 0 && m->table[TABLE_ROW * (k + 1) - 1] == 0),
+    PetscCheckUser(!DomainIsRadial(body->domain, 0) ||
+                     (m->table[TABLE_ROW * k + 1] == 0 && m->table[TABLE_ROW * (k + 1) - 1] == 0),
                    comm,
                    "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x and "
                    "the angle must be 0",
@@ -334,7 +335,8 @@ static PetscErrorCode MotionSetUp(Body body)
       body->prefix, body->prefix);
   PetscCheckUser(Norm(m->amplitude) == 0 || m->w > 0, domain->comm,
                  "-%soscillation_amplitude needs -%soscillation_frequency, in Hz", body->prefix, body->prefix);
-  PetscCheckUser(!domain->rings || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0), domain->comm,
+  PetscCheckUser(!DomainIsRadial(domain, 0) || (m->velocity[0] == 0 && m->amplitude[0] == 0 && Norm(m->rate) == 0),
+                 domain->comm,
                  "with -dimension axisymmetric the solid %s can move along the axis only and cannot rotate",
                  body->name);
   PetscCheckUser(

@@ -55,7 +55,7 @@ static PetscErrorCode EmitterSetUp(void *owner)
   Emitter        *e     = (Emitter *)body->type_data;
 
   PetscFunctionBegin;
-  PetscCheckUser(!body->domain->rings || (body->uniform[0] == 0 && !body->velocity->add), comm,
+  PetscCheckUser(!DomainIsRadial(body->domain, 0) || (body->uniform[0] == 0 && !body->velocity->add), comm,
                  "-%stype emitter with -dimension axisymmetric: the liquid must leave along the axis, so the first "
                  "number of -%svelocity must be 0 and -%svelocity_type uniform; else the rings would grow",
                  body->prefix, body->prefix, body->prefix);

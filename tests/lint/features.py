@@ -38,7 +38,7 @@ FEATURES = {
 }
 # Lines outside of these folders that ask whether particles are rings: others take lengths, volumes and directions of
 # the domain. The number may not become larger.
-METRIC, ASKS = ("domain/", "neighbors/", "scene/", "packing/", "resampling/", "following/"), 29
+METRIC, ASKS = ("domain/", "neighbors/", "scene/", "packing/", "resampling/", "following/"), 25
 # The folders that every run is made of.
 CORE = ("base", "domain", "kernel", "particles", "neighbors", "operators", "pressure", "twolevel", "solver", "storage",
         "stepper")

@@ -17,6 +17,18 @@ extra+="packing/samples.h scene/body.h tension/near_wall.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
 
+# The picture of the floors in CONTRIBUTING.md is this table: "[number]  folder, folder   what is there".
+drawn=$(awk '/^    clients/, /^$/ {
+  sub(/^ *(clients|edges|core)? *\|? */, "")
+  if (match($0, /^[0-9]+ +/)) { at = $1; $0 = substr($0, RLENGTH + 1) }
+  sub(/   .*/, "")
+  n = split($0, name, ", *")
+  for (k = 1; at != "" && k <= n; k++) print name[k] "=" at }' CONTRIBUTING.md 2>/dev/null)
+for name in "${!floor[@]}"; do
+  [ ! -f CONTRIBUTING.md ] || grep -qx "$name=${floor[$name]}" <<<"$drawn" ||
+    fail "CONTRIBUTING.md does not draw src/$name on floor ${floor[$name]}"
+done
+
 count=0
 for folder in src/*/; do
   name=$(basename "$folder")
