@@ -73,6 +73,7 @@ static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
   }
   PetscCall(PetscMalloc1(cells->all, &cells->block));
   PetscCall(PetscMalloc1(cells->all, &cells->home));
+  PetscCall(PetscMalloc1(cells->all, &cells->held));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,15 +200,18 @@ static PetscErrorCode Reserve(GasCells *cells)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether one of the cells first .. last is in a block with cells. */
-static PetscBool Reaches(const GasCells *cells, const PetscInt first[DIM], const PetscInt last[DIM])
+/* Whether one of the cells first .. last is in a block with cells; owned: with cells of pockets. */
+static PetscBool Reaches(const GasCells *cells, PetscBool owned, const PetscInt first[DIM], const PetscInt last[DIM])
 {
   const PetscInt *s = cells->shift;
 
   for (PetscInt k = first[2] >> s[2]; k <= last[2] >> s[2]; k++)
     for (PetscInt j = first[1] >> s[1]; j <= last[1] >> s[1]; j++)
-      for (PetscInt i = first[0] >> s[0]; i <= last[0] >> s[0]; i++)
-        if (cells->block[CellIndex(cells->blocks, i, j, k)] >= 0) return PETSC_TRUE;
+      for (PetscInt i = first[0] >> s[0]; i <= last[0] >> s[0]; i++) {
+        const PetscInt block = cells->block[CellIndex(cells->blocks, i, j, k)];
+
+        if (block >= 0 && (!owned || cells->held[block])) return PETSC_TRUE;
+      }
   return PETSC_FALSE;
 }
 
@@ -219,7 +223,8 @@ static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
   const unsigned char mark  = inside ? MARK_WET : MARK_CLOSE;
   PetscInt            first[DIM], last[DIM];
 
-  if (!GasCellsRange(cells, cloud->domain, x, cloud->size[a] * reach, first, last) || !Reaches(cells, first, last))
+  if (!GasCellsRange(cells, cloud->domain, x, cloud->size[a] * reach, first, last) ||
+      !Reaches(cells, PETSC_FALSE, first, last))
     return;
   for (PetscInt k = first[2]; k <= last[2]; k++)
     for (PetscInt j = first[1]; j <= last[1]; j++)
@@ -230,52 +235,58 @@ static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
       }
 }
 
-/* The cells of the line (j, k) from first to last, with the vector from their middles to x in units of the particle's
-   size, r2 and the node of each, -1 if it does not count: further than the support, or not 'wanted'. */
+/* Cells of a line of them within the support of a particle, with the vector from their middles to it in units of its
+   size: r[0] of each, the rest of all. */
 typedef struct {
   PetscInt  n, node[ROW_MOST];
-  PetscReal r[ROW_MOST][DIM], r2[ROW_MOST], W[ROW_MOST], F[ROW_MOST];
+  PetscReal r[ROW_MOST], rest[DIM], r2[ROW_MOST], W[ROW_MOST], F[ROW_MOST];
 } Line;
 
-static void LineSet(const GasCells *cells, Cloud cloud, const PetscReal x[DIM], PetscReal size,
+/* Finds the cells first .. last of the line (j, k); owned: those of pockets. */
+static void LineSet(const GasCells *cells, Cloud cloud, PetscBool owned, const PetscReal x[DIM], PetscReal size,
                     const PetscInt first[DIM], const PetscInt last[DIM], PetscInt j, PetscInt k, Line *line)
 {
-  const PetscInt  end      = cells->near * cells->per;
   const PetscReal support2 = PetscSqr(KernelSupport(cloud->kernel));
-  const PetscInt  at[DIM]  = {0, j, k};
-  PetscReal       r[DIM]   = {0, 0, 0};
+  const PetscInt *s = cells->shift, at[DIM] = {0, j, k},
+                 *block = cells->block + ((k >> s[2]) * cells->blocks[1] + (j >> s[1])) * cells->blocks[0],
+                 inside = (((k & ((1 << s[2]) - 1)) << s[1]) + (j & ((1 << s[1]) - 1))) << s[0];
+  PetscReal aside2;
 
-  line->n = 0;
+  line->n       = 0;
+  line->rest[0] = line->rest[1] = line->rest[2] = 0;
   for (PetscInt d = 1; d < cloud->domain->dim; d++)
-    r[d] = (x[d] - cells->lower[d] - (at[d] + 0.5) * cells->size[d]) / size;
-  for (PetscInt i = first[0]; i <= last[0] && line->n < ROW_MOST; i++) {
-    const PetscInt node = GasCellsNode(cells, i, j, k);
-    PetscReal      r2;
+    line->rest[d] = (x[d] - cells->lower[d] - (at[d] + 0.5) * cells->size[d]) / size;
+  aside2 = Dot(line->rest, line->rest);
+  for (PetscInt i = first[0]; i <= last[0] && line->n < ROW_MOST && aside2 < support2; i++) {
+    const PetscInt  near = block[i >> s[0]], node = near * cells->per + inside + (i & ((1 << s[0]) - 1));
+    const PetscReal r = (x[0] - cells->lower[0] - (i + 0.5) * cells->size[0]) / size;
 
-    r[0] = (x[0] - cells->lower[0] - (i + 0.5) * cells->size[0]) / size;
-    r2   = Dot(r, r);
-    if (node < 0 || node >= end || !(cells->mark[node] & MARK_CLOSE) || r2 >= support2) continue;
+    if (near < 0 || !(cells->mark[node] & MARK_CLOSE) || (owned && cells->owner[node] <= 0) ||
+        aside2 + r * r >= support2)
+      continue;
     line->node[line->n] = node;
-    for (PetscInt d = 0; d < DIM; d++) line->r[line->n][d] = r[d];
-    line->r2[line->n++] = r2;
+    line->r[line->n]    = r;
+    line->r2[line->n++] = aside2 + r * r;
   }
 }
 
-/* Calls 'add' for each line of cells within the support of a particle, whose image is at x, with W and F there. */
+/* Calls 'add' for each line of cells within the support of a particle, owned: of pockets, whose image is at x, with W
+ * and F there. */
 typedef void (*LineVisitor)(GasCells *cells, Cloud cloud, const Line *line, void *context);
 
-static void ForLines(GasCells *cells, Cloud cloud, PetscInt a, const PetscReal x[DIM], LineVisitor add, void *context)
+static void ForLines(GasCells *cells, Cloud cloud, PetscBool owned, PetscInt a, const PetscReal x[DIM], LineVisitor add,
+                     void *context)
 {
   const PetscReal size = cloud->size[a];
   PetscInt        first[DIM], last[DIM];
   Line            line;
 
   if (!GasCellsRange(cells, cloud->domain, x, size * KernelSupport(cloud->kernel), first, last) ||
-      !Reaches(cells, first, last))
+      !Reaches(cells, owned, first, last))
     return;
   for (PetscInt k = first[2]; k <= last[2]; k++)
     for (PetscInt j = first[1]; j <= last[1]; j++) {
-      LineSet(cells, cloud, x, size, first, last, j, k, &line);
+      LineSet(cells, cloud, owned, x, size, first, last, j, k, &line);
       if (!line.n) continue;
       KernelEvaluate(cloud->kernel, line.n, line.r2, line.W, line.F);
       add(cells, cloud, &line, context);
@@ -311,7 +322,7 @@ static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
   const Fill *fill    = (const Fill *)context;
   Filling     filling = {fill->sum, Part(cloud, a, fill->full)};
 
-  ForLines(cells, cloud, a, x, AddFilled, &filling);
+  ForLines(cells, cloud, PETSC_FALSE, a, x, AddFilled, &filling);
 }
 
 /* The middle of a cell, or of the first cell of an empty block. */
@@ -323,31 +334,41 @@ static void CellMiddle(const GasCells *cells, Domain domain, PetscInt node, Pets
   for (PetscInt d = 0; d < DIM; d++) x[d] = d < domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
 }
 
-/* Cells inside a solid are full, deeper than MARGIN whatever moves: behind its dummy particles a solid is hollow. */
-static void FillSolids(GasCells *cells, Cloud cloud)
+enum { CORE_UNKNOWN, CORE_OUTSIDE, CORE_DEEP, CORE_HOLLOW };
+
+/* How deep a cell is in a solid; from CORE_HOLLOW on it is full, whatever moves: behind its dummy particles a solid is
+   hollow. */
+static unsigned char CoreOf(const GasCells *cells, Cloud cloud, PetscInt node)
 {
-  const Scene scene = cloud->scene;
+  PetscReal x[DIM], depth;
 
-  for (PetscInt c = 0; c < cells->near * cells->per && SceneSolidCount(scene) > 0; c++) {
-    PetscReal x[DIM], depth;
-
-    if (cells->mark[c] == MARK_WET) continue;
-    CellMiddle(cells, cloud->domain, c, x);
-    depth = -SceneSolidDistance(scene, x, NULL) / cloud->domain->spacing;
-    if (depth > MARGIN || (depth > 1 && cells->filled[c] < 0.5)) cells->filled[c] = 1;
-    if (depth > MARGIN) cells->mark[c] = MARK_WET;
-  }
-  for (PetscInt b = 0; b < cells->all && SceneSolidCount(scene) > 0; b++) {
-    PetscReal x[DIM];
-
-    if (cells->block[b] != BLOCK_EMPTY) continue;
-    CellMiddle(cells, cloud->domain, cells->near * cells->per + b, x);
-    for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
-      if (BodyDistance(SceneSolid(scene, s), x) < 0) cells->block[b] = BLOCK_FULL;
-  }
+  CellMiddle(cells, cloud->domain, node, x);
+  depth = -SceneSolidDistance(cloud->scene, x, NULL) / cloud->domain->spacing;
+  return depth > MARGIN ? CORE_HOLLOW : depth > 1 ? CORE_DEEP : CORE_OUTSIDE;
 }
 
-PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
+/* Cells inside a solid are full. Solids at rest are asked for each cell once. */
+static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, PetscBool moved)
+{
+  PetscFunctionBegin;
+  if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!cells->core) PetscCall(PetscCalloc1(cells->all * cells->per, &cells->core));
+  if (moved) PetscCall(PetscArrayzero(cells->core, cells->all * cells->per));
+  for (PetscInt c = 0; c < cells->near * cells->per; c++) {
+    unsigned char *core = &cells->core[cells->home[c / cells->per] * cells->per + c % cells->per];
+
+    if (cells->mark[c] == MARK_WET) continue;
+    if (*core == CORE_UNKNOWN) *core = CoreOf(cells, cloud, c);
+    if (*core == CORE_HOLLOW || (*core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
+    if (*core == CORE_HOLLOW) cells->mark[c] = MARK_WET;
+  }
+  for (PetscInt b = 0; b < cells->all; b++)
+    if (cells->block[b] == BLOCK_EMPTY && CoreOf(cells, cloud, cells->near * cells->per + b) > CORE_OUTSIDE)
+      cells->block[b] = BLOCK_FULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved)
 {
   Fill       fill = {.full = PressureFull(pressure)};
   PetscInt   count;
@@ -370,7 +391,7 @@ PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt c = 0; c < count; c++)
     if (cells->mark[c] == MARK_WET) cells->filled[c] = 1;
-  FillSolids(cells, cloud);
+  PetscCall(FillSolids(cells, cloud, moved));
   PetscCall(PetscFree(inside));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -414,13 +435,13 @@ static void AddRates(GasCells *cells, Cloud cloud, const Line *line, void *conte
     PetscInt       at[DIM];
     PetscReal      volume;
 
-    if (owner <= 0) continue;
     GasCellsPlace(cells, line->node[m], at);
     volume = flux->part * GasCellsVolume(cells, cloud->domain, at[0]);
     if (flux->solid) volume *= SolidWeight(cells->solid[line->node[m]]);
     for (PetscInt s = 0; s < 2; s++) /* a longer ring has a smaller area */
       flux->rate[s][owner] -=
-        volume * (line->F[m] * Dot(line->r[m], flux->u[s]) / flux->size - line->W[m] * flux->lengthening[s]);
+        volume * (line->F[m] * (line->r[m] * flux->u[s][0] + Dot(line->rest, flux->u[s])) / flux->size -
+                  line->W[m] * flux->lengthening[s]);
   }
 }
 
@@ -436,7 +457,8 @@ static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, c
     for (PetscInt d = 0; d < DIM; d++) flux->u[s][d] = image->sign[d] * flux->v[s][DIM * a + d];
     flux->lengthening[s] = DomainLengthening(cloud->domain, x, flux->u[s]);
   }
-  if (Dot(flux->u[0], flux->u[0]) + Dot(flux->u[1], flux->u[1]) > 0) ForLines(cells, cloud, a, x, AddRates, flux);
+  if (Dot(flux->u[0], flux->u[0]) + Dot(flux->u[1], flux->u[1]) > 0)
+    ForLines(cells, cloud, PETSC_TRUE, a, x, AddRates, flux);
 }
 
 PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
@@ -470,12 +492,13 @@ static void AddLoad(GasCells *cells, Cloud cloud, const Line *line, void *contex
     PetscReal      scale;
 
     while (k < load->count && load->owner[k] != owner) k++;
-    if (owner <= 0 || k == GAS_SHARE) continue;
+    if (k == GAS_SHARE) continue;
     if (k == load->count) load->owner[load->count++] = owner;
     GasCellsPlace(cells, line->node[m], at);
     scale = -6 * cells->solid[line->node[m]] * (1 - cells->filled[line->node[m]]) * load->part *
             GasCellsVolume(cells, cloud->domain, at[0]) * line->F[m] / load->size;
-    for (PetscInt d = 0; d < cloud->domain->dim; d++) load->unit[k][d] += scale * line->r[m][d];
+    load->unit[k][0] += scale * line->r[m];
+    for (PetscInt d = 1; d < DIM; d++) load->unit[k][d] += scale * line->rest[d];
   }
 }
 
@@ -525,7 +548,7 @@ PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLo
       PetscReal y[DIM];
 
       Map(&image[i], x, y);
-      ForLines(cells, cloud, a, y, AddLoad, &load);
+      ForLines(cells, cloud, PETSC_TRUE, a, y, AddLoad, &load);
       PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &image[i], &load, loads));
     }
   }
@@ -537,6 +560,8 @@ PetscErrorCode GasCellsDestroy(GasCells *cells)
   PetscFunctionBegin;
   PetscCall(PetscFree(cells->block));
   PetscCall(PetscFree(cells->home));
+  PetscCall(PetscFree(cells->held));
+  PetscCall(PetscFree(cells->core));
   PetscCall(PetscFree(cells->mark));
   PetscCall(PetscFree(cells->filled));
   PetscCall(PetscFree(cells->solid));

@@ -24,6 +24,8 @@ typedef struct {
   PetscInt       capacity;              /* nodes */
   PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
   PetscInt      *home;                  /* [near] the block with this number */
+  unsigned char *held;                  /* [near] 1: a cell of the block has a pocket as owner */
+  unsigned char *core;                  /* [all][per] of solids: CORE_... */
   unsigned char *mark;                  /* [near][per] MARK_WET, MARK_CLOSE */
   PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
   PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
@@ -35,11 +37,11 @@ typedef struct {
 #define BLOCK_EMPTY (-1)
 #define BLOCK_FULL  (-2)
 
-/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud. GasCellsRates - how fast
+/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved. GasCellsRates - how fast
    the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the velocities v and with w
    ([n_owned][3], m/s): the derivative of the sums of the cells; it needs GasCellsSolid if solids move. full:
    PressureFull. Collective. GasCellsNode - the node of a cell, -1: full. Not collective. */
-PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure);
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved);
 PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full);
 PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
                              const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[]);

@@ -157,6 +157,10 @@ static void Spread(GasCells *cells, Domain domain, PetscInt queue[], PetscInt la
       ForNeighbours(cells, domain, queue[from], &walk.open, Own, &walk);
     }
   }
+  for (PetscInt b = 0; b < cells->near; b++) {
+    cells->held[b] = 0;
+    for (PetscInt c = b * cells->per; c < (b + 1) * cells->per; c++) cells->held[b] |= cells->owner[c] > 0;
+  }
 }
 
 /* The volumes of the pockets and their centres. */
@@ -334,7 +338,7 @@ PetscErrorCode GasFind(Gas *gas)
 
   PetscFunctionBegin;
   gas->ended = 0;
-  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure));
+  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move));
   nodes = cells->near * cells->per + cells->all;
   PetscCall(PetscMalloc1(nodes, &queue));
   PetscCall(Connect(cells, domain, &regions, queue, &labelled));
@@ -350,8 +354,7 @@ PetscErrorCode GasFind(Gas *gas)
 
     /* what was air has the air's pressure, at the start that of the option */
     pocket->amount +=
-      air[k] * pocket->volume *
-      (gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
+      air[k] * pocket->volume * (gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     pocket->tracked += air[k] * pocket->volume;
   }
   gas->found = PETSC_TRUE;
