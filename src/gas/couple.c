@@ -176,16 +176,22 @@ static PetscErrorCode AddYields(Gas *gas, Pressure pressure)
   const Cloud     cloud = gas->cloud;
   const PetscReal s     = cloud->domain->volume;
   const PetscInt  n     = gas->now.count;
-  PetscReal      *force, *acceleration, *y, given[GAS_MOST * GAS_MOST];
+  PetscReal      *force, *acceleration, *y, *given;
+  PetscInt        touched[GAS_MOST];
   Pockets        *pockets;
 
   PetscFunctionBegin;
   PetscCall(FindLoads(gas, &pockets));
-  PetscCall(PetscArrayzero(given, n * n));
+  PetscCall(PetscCalloc1(n * n, &given));
+  PetscCall(PetscArrayzero(touched, n));
+  for (const GasLoad *l = gas->loads.load; l < gas->loads.load + gas->loads.count; l++)
+    touched[l->pocket - 1] |= cloud->integer[INT_BODY][l->dummy] <= BODY_SOLID;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touched, (PetscMPIInt)n, MPIU_INT, MPI_MAX, cloud->comm));
   PetscCall(CloudGetWork(cloud, DIM, &force));
   PetscCall(CloudGetWork(cloud, DIM, &acceleration));
   PetscCall(CloudGetWork(cloud, 1, &y));
   for (PetscInt k = 0; k < n; k++) {
+    if (!touched[k]) continue;
     PetscCall(PetscArrayzero(force, DIM * cloud->n_total));
     PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_total));
     PetscCall(PetscArrayzero(y, cloud->n_rows));
@@ -207,6 +213,7 @@ static PetscErrorCode AddYields(Gas *gas, Pressure pressure)
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, given, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt i = 0; i < n * n; i++) gas->matrix[i] += given[i];
+  PetscCall(PetscFree(given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -220,7 +227,8 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   PetscReal      moved[GAS_MOST];
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(gas->matrix, n * n));
+  PetscCall(PetscFree(gas->matrix));
+  PetscCall(PetscCalloc1(n * n, &gas->matrix));
   PetscCall(PetscArrayzero(moved, n));
   gas->rows -= gas->yields;
   gas->yields = 0;

@@ -77,6 +77,7 @@ static PetscErrorCode Destroy(Stepper stepper)
   PetscCall(MatDestroy(&gas->factor));
   PetscCall(PetscFree(gas->row));
   PetscCall(PetscFree(gas->gap));
+  PetscCall(PetscFree(gas->matrix));
   PetscCall(PetscFree(gas->loads.load));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,7 +6,7 @@
 #include "../stepper/edge.h"
 
 #define GAS_EDGE  "gas" /* the name of the edge */
-#define GAS_MOST  64    /* pockets; of more regions the smallest have no gas */
+#define GAS_MOST  256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
 #define GAS_SHARE 8     /* pockets that a row may see */
 
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
@@ -138,7 +138,7 @@ typedef struct {
   GasRow   *row;
   GasGap   *gap;
   Mat       factor;                                   /* of D + C, by Cholesky */
-  PetscReal g[GAS_MOST], matrix[GAS_MOST * GAS_MOST]; /* D + C */
+  PetscReal g[GAS_MOST], *matrix; /* [count][count] D + C */
   PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
   PetscReal kept[GAS_MOST + 1];                    /* pressures of the former step, Pa */
   GasLoads  loads;

@@ -36,7 +36,7 @@ typedef struct {
   PetscInt  rejected;           /* steps rolled back so far */
   PetscInt  lost;               /* particles that left through open faces so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
-  PetscReal edge[512];          /* numbers of the edges of a step: StepEdgeNumbers */
+  PetscReal edge[2048];         /* numbers of the edges of a step: StepEdgeNumbers */
 } StepState;
 
 /* Numbers as rows of a table: checkpoints, restarts and the energy budget walk them. A number of the core has a row in
