@@ -37,8 +37,9 @@ typedef struct {
 #define BLOCK_EMPTY (-1)
 #define BLOCK_FULL  (-2)
 
-/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved. GasCellsRates - how fast
-   the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the velocities v and with w
+/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved.
+   GasCellsRates - how fast the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the
+   velocities v and with w
    ([n_owned][3], m/s): the derivative of the sums of the cells; it needs GasCellsSolid if solids move. full:
    PressureFull. Collective. GasCellsNode - the node of a cell, -1: full. Not collective. */
 PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved);
@@ -105,9 +106,10 @@ typedef struct {
 
 /* Pockets and the cells by which they are found. */
 typedef struct {
-  GasCells cells;
-  PetscInt count;
-  Pocket   pocket[GAS_MOST + 1]; /* from 1 on */
+  GasCells  cells;
+  PetscInt  count;
+  Pocket    pocket[GAS_MOST + 1]; /* from 1 on */
+  PetscReal liquid;               /* all that there was, m^dim (m3 of rings) */
 } Pockets;
 
 /* A row beside pocket k - 1: the pocket's share of what the row sees outside, and its slope. */
@@ -137,8 +139,8 @@ typedef struct {
   PetscInt  rows, rows_capacity, gaps, gaps_capacity;
   GasRow   *row;
   GasGap   *gap;
-  Mat       factor;                                   /* of D + C, by Cholesky */
-  PetscReal g[GAS_MOST], *matrix; /* [count][count] D + C */
+  Mat       factor;                                /* of D + C, by Cholesky */
+  PetscReal g[GAS_MOST], *matrix;                  /* [count][count] D + C */
   PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
   PetscReal kept[GAS_MOST + 1];                    /* pressures of the former step, Pa */
   GasLoads  loads;

@@ -4,6 +4,7 @@
 
 #define FILLED   0.5 /* cells that are filled by less are empty */
 #define SMALLEST 4   /* cells of a pocket, at least; gas in fewer dissolves */
+#define JUMP     0.3 /* of liquid that emitters bring: a volume that shrinks by more at once has it */
 #define REACH    3   /* cells around a region in which what is not filled is the region's */
 
 /* A region while regions are found. */
@@ -228,7 +229,8 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt *
 }
 
 /* The pocket of region r, from the pockets and the air that had its cells; *air: its cells that were air; returns from
-   how many pockets it is. Volumes are not yet known: 'amount' and 'tracked' are without the air's. */
+   how many pockets it is. Volumes are not yet known: 'amount' and 'tracked' are without the air's, 'volume' is that
+   before. */
 static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width, PetscInt r, Pocket *pocket,
                         PetscInt *air)
 {
@@ -245,6 +247,7 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
     from += cells;
     pocket->amount += share * gas->before.pocket[b].amount;
     pocket->tracked += share * gas->before.pocket[b].tracked;
+    pocket->volume += share * gas->before.pocket[b].volume;
     pocket->pressure += cells * gas->before.pocket[b].pressure;
   }
   pocket->pressure /= PetscMax(1, from);
@@ -328,12 +331,25 @@ static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* *brought: the liquid that has been brought since pockets were last looked for, m^dim. */
+static PetscErrorCode Brought(Gas *gas, PetscReal *brought)
+{
+  PetscReal liquid = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < gas->cloud->n_fluid; a++) liquid += gas->cloud->volume[a];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &liquid, 1, MPIU_REAL, MPIU_SUM, gas->cloud->comm));
+  *brought        = gas->before_known ? liquid - gas->before.liquid : 0;
+  gas->now.liquid = liquid;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GasFind(Gas *gas)
 {
   GasCells *cells   = &gas->now.cells;
   Domain    domain  = gas->cloud->domain;
   Regions   regions = {NULL, 0, 0};
-  PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1];
+  PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1], brought = 0;
   PetscInt *queue, labelled = 0, nodes;
 
   PetscFunctionBegin;
@@ -346,6 +362,8 @@ PetscErrorCode GasFind(Gas *gas)
   for (PetscInt c = 0; c < nodes; c++)
     if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
   Spread(cells, domain, queue, labelled);
+  PetscCall(Brought(gas, &brought));
+  for (PetscInt k = 1; k <= gas->now.count; k++) was[k] = gas->now.pocket[k].volume;
   Measure(&gas->now, domain);
   for (PetscInt k = 1; k <= gas->now.count; k++) start[k] = gas->ambient;
   if (!gas->before_known) PetscCall(Start(gas, start));
@@ -356,6 +374,8 @@ PetscErrorCode GasFind(Gas *gas)
     pocket->amount +=
       air[k] * pocket->volume * (gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     pocket->tracked += air[k] * pocket->volume;
+    if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought)
+      pocket->tracked += pocket->volume - was[k]; /* no flux tells it */
   }
   gas->found = PETSC_TRUE;
   PetscCall(PetscFree(queue));

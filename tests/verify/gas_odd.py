@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""Gas in odd scenes: many pockets and too many, a layer of liquid between two gases, a pocket across a periodic face and
+one at an open face, an emitter in a closed vessel, steps that are taken back, viscosity, long steps."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
+import runs  # noqa: E402
+
+RHO, AIR, GAMMA = 1000, 101325, 1.4  # kg/m3, Pa, 1
+ALL = """-dimension 2 -water_viscosity 0 -bodies water -gas -gauge_pockets -series_interval 0 -snapshot_interval 1
+ -checkpoint_interval 0 """
+
+
+def pockets(folder):
+    """Columns of pockets.csv by their names without units."""
+    rows = np.atleast_1d(np.genfromtxt(os.path.join(folder, "pockets.csv"), delimiter=",", names=True, deletechars=""))
+    return {name.split("_m")[0].split("_Pa")[0].split("_s")[0]: rows[name] for name in rows.dtype.names}
+
+
+def log(folder):
+    """The log of a run, on one line."""
+    with open(os.path.join(folder, "log.txt"), encoding="utf-8") as text:
+        return " ".join(text.read().split())
+
+
+def compartments(count):
+    """A vessel parted into count x count compartments of gas by plates, with a little liquid in one."""
+    side, plates, text = 0.2, [], ""
+    for k in range(1, count):
+        for axis in "xy":
+            low, high = (k * side - 0.03, 0), (k * side + 0.03, count * side)
+            plates.append(f"{axis}{k}")
+            for end, place in (("lower", low), ("upper", high)):
+                place = place if axis == "x" else place[::-1]
+                text += f"-{axis}{k}_{end} {place[0]:.3f},{place[1]:.3f} "
+    return ALL + f"""-spacing 0.02 -box_lower 0,0 -box_upper {count * side},{count * side} -box_x wall -box_y wall
+ -water_lower 0,0 -water_upper 0.14,0.06 -gas_pressure_start 102325 -time_step 1e-3 -time_end 3e-3
+ -solids {",".join(plates)} {text}"""
+
+
+many = runs.run(compartments(10) + "-checkpoint_interval 2e-3", "many")
+runs.check(pockets(many)["pocket"].max() == 100, "a_hundred_pockets", pockets(many)["pocket"].max())
+again = runs.run(compartments(10) + f"-checkpoint_interval 2e-3 -restart {many}/checkpoint_000002.h5", "many_again")
+for column in ("volume", "pressure", "amount"):
+    values = [pockets(folder)[column][-100:] for folder in (many, again)]
+    runs.check((values[0] == values[1]).all(), f"restart_keeps_{column}_of_a_hundred", np.abs(values[0] - values[1]).max())
+crowd = runs.run(compartments(17) + "-time_end 1e-3", "crowd")
+runs.check("more than 256 pockets" in log(crowd), "says_that_there_are_too_many", log(crowd)[-800:])
+
+# a layer of liquid on the springs of two gases
+LAYER = ALL + """-spacing 0.02 -box_lower 0,0 -box_upper 0.4,1.4 -box_x wall -box_y wall -water_lower 0,0.6
+ -water_upper 0.4,0.8 -water_holes low,high -low_lower 0,0 -low_upper 0.4,0.6 -high_lower 0,0.8 -high_upper 0.4,1.4
+ -low_pressure 101825 -high_pressure 100825 """
+gas = pockets(runs.run(LAYER + "-time_step 1e-3 -time_end 0.12", "layer"))
+t, volume = gas["time"][gas["pocket"] == 1], gas["volume"][gas["pocket"] == 1]
+rate = np.sqrt(2 * GAMMA * AIR / (RHO * 0.2 * 0.6))
+fit = np.linalg.lstsq(np.array([np.ones_like(t), np.cos(rate * t), np.sin(rate * t)]).T, volume, rcond=None)[0]
+way = 1000 * 0.4 / (RHO * 0.2 * rate ** 2)  # amplitude of the volume
+runs.check_within(-fit[1] / way, 0.97, 1.03, "layer_amplitude")
+rest = volume - np.array([np.ones_like(t), np.cos(rate * t), np.sin(rate * t)]).T @ fit
+runs.check_within(np.abs(rest).max() / way, 0, 0.1, "layer_period")
+
+# half of the bubble on either side of a periodic face; a band of gas around a periodic box
+WRAP = ALL + """-spacing 0.05 -box_lower 0,0 -box_upper 2,2 -box_x periodic -box_y wall -water_lower 0,0 -water_upper 2,2
+ -time_step 1e-3 -time_end 2e-3 -water_holes hole """
+ROUND = WRAP + "-hole_shape sphere -hole_radius 0.4 -hole_pressure 111325 "
+TWIN = """-water_holes hole,twin -hole_center 2,1 -twin_shape sphere -twin_radius 0.4 -twin_center 0,1
+ -twin_pressure 111325 """
+middle, face = (pockets(runs.run(ROUND + more, name)) for name, more in (("middle", "-hole_center 1,1"), ("face", TWIN)))
+runs.check(face["pocket"].max() == 1, "one_pocket_across_a_periodic_face", face["pocket"])
+runs.check_within(face["volume"][-1] / middle["volume"][-1], 0.99, 1.01, "volume_across_a_periodic_face")
+runs.check_within(face["pressure"][-1] / middle["pressure"][-1], 0.99, 1.01, "pressure_across_a_periodic_face")
+band = pockets(runs.run(WRAP + "-hole_lower 0,1 -hole_upper 2,2 -gravity 0,-9.81", "band"))
+runs.check_within(band["volume"][-1] / 2, 0.99, 1.01, "pocket_around_a_periodic_box")
+cut = runs.run(ROUND.replace("-box_x periodic", "-box_xmin wall") + "-hole_center 1.8,1", "cut")
+runs.check(runs.series(cut)["gas_pockets"].max() == 0, "what_touches_an_open_face_is_air", runs.series(cut)["gas_pockets"])
+
+# a jet fills a closed vessel: its gas is compressed as much as liquid comes in
+FILL = ALL + """-spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -water_lower 0,0 -water_upper 1,0.3
+ -gravity 0,-9.81 -bodies water,jet -jet_type emitter -jet_lower 0.4,0.7 -jet_upper 0.6,0.8 -jet_velocity 0,-1
+ -jet_viscosity 0 -time_end 0.4 """
+filled = runs.run(FILL, "filled")
+series = runs.series(filled)
+more = series["volume"][-1] - series["volume"][0]
+runs.check(more > 0.02, "emitter_fills", more)
+runs.check_within(series["gas_volume_m2"][-1] / (0.7 - more), 0.97, 1.03, "gas_gives_way_to_the_emitter")
+
+# steps that are taken back find the same pockets again
+DROP = ALL + """-spacing 0.25 -box_lower 0,0 -box_upper 2.5,20 -box_x symmetry -box_ymin wall -water_lower 0,2
+ -water_upper 2.5,10 -gravity 0,-9.81 -time_step 2e-2 -time_end 0.6 """
+smooth, back = (pockets(runs.run(DROP + more, name)) for more, name in (("", "smooth"), ("-displacement_max 0.2", "back")))
+taken = runs.series(runs.scratch("back"))["rejected"][-1]
+runs.check(taken > 0, "steps_are_taken_back", taken)
+runs.check_within(back["pressure"].max() / smooth["pressure"].max(), 0.97, 1.03, "the_same_after_steps_taken_back")
+runs.done()
