@@ -87,15 +87,26 @@ static PetscBool On(Stepper stepper)
   return GasOf(stepper)->on;
 }
 
-/* That of Bernoulli, from the excess of the gas at the start. */
+/* The largest difference (Pa) of the pressures at the start to that of the open air. */
+static PetscReal Excess(const Gas *gas)
+{
+  const PetscReal hole = SceneHolePressure(gas->cloud->scene, NULL);
+
+  return PetscMax(PetscAbsReal(gas->start - gas->ambient), hole > 0 ? PetscAbsReal(hole - gas->ambient) : 0);
+}
+
+/* That of Bernoulli. */
 static PetscReal Speed(Stepper stepper)
 {
-  const Gas      *gas  = GasOf(stepper);
-  const PetscReal hole = SceneHolePressure(gas->cloud->scene, NULL),
-                  excess =
-                    PetscMax(PetscAbsReal(gas->start - gas->ambient), hole > 0 ? PetscAbsReal(hole - gas->ambient) : 0);
+  const Gas *gas = GasOf(stepper);
 
-  return gas->on ? PetscSqrtReal(2 * excess / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
+  return gas->on ? PetscSqrtReal(2 * Excess(gas) / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
+}
+
+/* Gas at the pressure of the open air gives back what it got. */
+static PetscBool Drives(Stepper stepper)
+{
+  return (PetscBool)(GasOf(stepper)->on && Excess(GasOf(stepper)) > 0);
 }
 
 static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
@@ -275,7 +286,7 @@ const Edge GasEdge = {.name        = GAS_EDGE,
                       .create = Create,
                       .destroy  = Destroy,
                       .on       = On,
-                      .drives   = On,
+                      .drives   = Drives,
                       .speed    = Speed,
                       .options  = Options,
                       .report   = Report,

@@ -37,14 +37,15 @@ def steps(rate, start, dt, count):
     return np.array(states)
 
 
-def breathing(dim):
-    """The rate of (R, dR/dt) of a bubble in a shell of liquid."""
+def breathing(dim, viscosity=0):
+    """The rate of (R, dR/dt) of a bubble in a shell of liquid; viscosity in a ring: its stress on both surfaces."""
     def rate(y):
         r, u = y
         outer = (OUTER ** dim - INNER ** dim + r ** dim) ** (1 / dim)
         push = AIR * ((EXCESS * (INNER / r) ** dim) ** GAMMA - 1) / RHO
         flow = r ** (dim - 1) * u
         if dim == 2:
+            push -= 2 * viscosity * flow * (r ** -2 - outer ** -2) / RHO
             return np.array([u, ((push - 0.5 * flow ** 2 * (outer ** -2 - r ** -2)) / np.log(outer / r) - u * u) / r])
         return np.array([u, ((push - 0.5 * flow ** 2 * (outer ** -4 - r ** -4)) / (1 / r - 1 / outer) - 2 * r * u * u)
                          / r ** 2])
@@ -78,6 +79,23 @@ breathes("half", HALF, 2, 0.005)
 series = runs.series(whole)
 most = series["kinetic_energy"].argmax()
 runs.check_within(series["outside_work"][most] / series["kinetic_energy"][most], 0.97, 1.03, "work_of_the_gas")
+
+change = np.abs(np.diff(series["outside_work"])).sum()
+runs.check_below(abs(series["outside_work"][-1] - series["kinetic_energy"][-1]) / change, 0.01, "energy_of_the_gas")
+
+# implicit viscosity: seven times the explicit step
+syrup = pockets(runs.run(PLANE + "-shell_viscosity 10", "syrup"))
+exact = steps(breathing(2, 10), (INNER, 0), 2e-6, int(syrup["time"][-1] / 2e-6))[:, 0] ** 2 / INNER ** 2
+exact, found = peaks(2e-6 * np.arange(len(exact)), exact), peaks(syrup["time"], syrup["volume"] / syrup["volume"][0])
+runs.check_within((found[1, 1] - 1) / (found[0, 1] - 1) * (exact[0, 1] - 1) / (exact[1, 1] - 1), 0.95, 1.05,
+                  "syrup_damps")
+runs.check_within((found[1, 0] - found[0, 0]) / (exact[1, 0] - exact[0, 0]), 0.98, 1.02, "syrup_period")
+
+# a tenth of a period a step: stable, 5 % too slow
+long = pockets(runs.run(PLANE + "-time_step 1e-3 -time_end 0.05", "long"))
+found = peaks(long["time"], long["volume"] / long["volume"][0])
+runs.check_within(np.diff(found[:, 0]).mean() / 0.009996, 1, 1.06, "long_steps_period")
+runs.check_within((found[-1, 1] - 1) / (found[0, 1] - 1), 0.75, 1.05, "long_steps_are_stable")
 
 two = pockets(runs.run(PLANE + "-time_end 5e-3", "two", ranks=2))
 one = pockets(whole)
@@ -122,4 +140,9 @@ for options, word in (("-gauge_pockets", "needs -gas"), ("-gas -gas_exponent -1"
     process = runs.start(PLANE.replace("-gas -gauge_pockets", "") + options + f" -output_dir {runs.scratch('bad')}")
     runs.check(process.returncode != 0 and word in process.stdout + process.stderr, f"refuses: {options}",
                (process.stdout + process.stderr)[-300:])
+process = runs.start(COLUMN + f"-energy_max 1e-3 -output_dir {runs.scratch('bound')}")
+runs.check("-energy_max" in process.stdout + process.stderr, "gas_at_rest_brings_no_energy",
+           (process.stdout + process.stderr)[-300:])
+process = runs.start(PLANE + f"-time_end 2e-3 -energy_max 1e-3 -output_dir {runs.scratch('free')}")
+runs.check(process.returncode == 0, "gas_under_pressure_does", (process.stdout + process.stderr)[-300:])
 runs.done()
