@@ -474,9 +474,11 @@ def passed():
     runs.check_within(verdicts[0].value, 1, 1.1, "and_finds_it")
     runs.check({r for s, _, r in tried if s == spacings[0]} == {1}, "what_has_no_price_is_not_divided", str(tried))
     runs.check({r for s, _, r in tried if s in spacings[2:]} == {2}, "a_single_dear_run_is", str(tried))
+    finer = 0.5 * found.rungs[-1][0]
+    runs.check(found.ranks(finer, 1) == 2, "on_a_machine_that_is_free", str(found.ranks(finer, 1)))
     for run in found.rungs[-1][1]:
         run.wall = 300
-    runs.check(found.ranks(0.5, 1) == 1, "not_on_a_busy_machine", str(found.ranks(0.5, 1)))
+    runs.check(found.ranks(finer, 1) == 1, "not_on_a_busy_machine", str(found.ranks(finer, 1)))
     launch.Run.go = made
     later = answer.Answer(path, quantity.read("highest:at=0.1,highest:mean=0.02,0.05"), arguments)
     run = later.run(0.1, [1])[0]

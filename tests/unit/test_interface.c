@@ -290,17 +290,21 @@ static PetscErrorCode TestParts(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Two liquids of 1 and 3 N/m side by side under one level surface, which is pulled along itself by their difference. */
-static PetscErrorCode TestMarangoni(void)
+/* Two liquids of 1 and 3 N/m side by side under one level surface, which is pulled along itself by their difference,
+   by particles on the surface only: displaced ones inside have no share. */
+static PetscErrorCode TestMarangoni(PetscReal jitter)
 {
   PetscReal pull = 0, across = 0, deep = 0;
+  char      options[512];
   Setup     s;
 
   PetscFunctionBegin;
-  PetscCall(SetupPack("-dimension 2 -spacing 1 -packing_jitter 0 -box_lower -14,0 -box_upper 14,14 -box_x symmetry "
-                      "-box_ymin symmetry -bodies a,b -a_lower -14,0 -a_upper 0,8 -b_lower 0,0 -b_upper 14,8 "
-                      "-b_density 700 -a_tension 1 -b_tension 3 ",
-                      &s));
+  PetscCall(PetscSNPrintf(options, sizeof(options), "%s-packing_jitter %g ",
+                          "-dimension 2 -spacing 1 -box_lower -14,0 -box_upper 14,14 -box_x symmetry "
+                          "-box_ymin symmetry -bodies a,b -a_lower -14,0 -a_upper 0,8 -b_lower 0,0 -b_upper 14,8 "
+                          "-b_density 700 -a_tension 1 -b_tension 3 ",
+                          (double)jitter));
+  PetscCall(SetupPack(options, &s));
   PetscCall(SetupMoments(&s));
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_fluid));
   PetscCall(TensionApply(s.tension, s.cloud));
@@ -312,8 +316,8 @@ static PetscErrorCode TestMarangoni(void)
     across = PetscMax(across, PetscAbsReal(mass * force[1]));
     if (s.cloud->field[FIELD_POSITION][DIM * a + 1] < 5) deep = PetscMax(deep, mass * Norm(force));
   }
-  CHECK_CLOSE(SetupSum(pull), 2, 0.2, "pull_towards_the_larger_tension");
-  CHECK_CLOSE(SetupMax(across), 0, 0.02, "pull_is_along_the_surface");
+  CHECK_CLOSE(SetupSum(pull), 2, jitter > 0 ? 0.03 : 0.2, "pull_towards_the_larger_tension");
+  CHECK_CLOSE(SetupMax(across), 0, jitter > 0 ? 0.04 : 0.02, "pull_is_along_the_surface");
   CHECK_CLOSE(SetupMax(deep), 0, 0, "no_pull_inside");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -332,7 +336,8 @@ int main(int argc, char **argv)
   PetscCall(TestSlopes());
   PetscCall(TestWalls());
   PetscCall(TestParts());
-  PetscCall(TestMarangoni());
+  PetscCall(TestMarangoni(0));
+  PetscCall(TestMarangoni(0.4));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
