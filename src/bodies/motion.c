@@ -9,17 +9,12 @@
    of them, with velocity zero at the first and the last point; before and after them the displacement is constant. */
 #include "bodies_impl.h"
 #include "../scene/body.h"
-#include <ctype.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define DEGREE        (PETSC_PI / 180)
-#define LINE_LENGTH   4096
-#define NUMBER_MOST   (PETSC_MAX_REAL / 4) /* in a table: differences are finite */
-#define BYTE_ORDER    "\xef\xbb\xbf"       /* byte-order mark, which some programs write at the start of a text file */
-#define MOVES         (DIM + 1)            /* of a table's row, after its time: displacement and angle */
+#define MOVES         (DIM + 1) /* of a table's row, after its time: displacement and angle */
 #define TABLE_ROW     (1 + MOVES)
 #define TABLE_SAMPLES 16 /* between two rows of a table, for its largest speed */
 #define STEEPEST      3  /* slope at a row over those beside it, at most: then a cubic curve does not overshoot */
@@ -163,83 +158,6 @@ static PetscErrorCode MotionSetFromOptions(Body body, OptionItems PetscOptionsOb
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Results of ReadLine for a line that is no row of a table. */
-enum {
-  LINE_BAD   = -1, /* numbers and words, too many numbers, or a number that is not finite */
-  LINE_NAMES = -2  /* words, the first of which begins with a letter, perhaps in quotes */
-};
-
-/* Reads the numbers of a line. Returns their count, LINE_BAD or LINE_NAMES. */
-static int ReadLine(char line[], PetscReal number[TABLE_ROW + 1])
-{
-  int       count = 0, others = 0;
-  PetscBool named = PETSC_FALSE;
-  char     *rest;
-
-  for (char *word = strtok_r(line, ", \t\r\n", &rest); word; word = strtok_r(NULL, ", \t\r\n", &rest)) {
-    char     *end;
-    PetscReal value;
-
-    word += *word == '"' || *word == '\'';
-    value = (PetscReal)strtod(word, &end);
-    if (count + others == 0) named = (PetscBool)(isalpha((unsigned char)*word) != 0);
-    if (end == word || (*end && isalpha((unsigned char)*word))) { /* a word; strtod reads "inf" from "information" */
-      others++;
-      continue;
-    }
-    if (*end || !(PetscAbsReal(value) < NUMBER_MOST) || count == TABLE_ROW + 1) return LINE_BAD;
-    number[count++] = value;
-  }
-  return others == 0 ? count : named && count == 0 ? LINE_NAMES : LINE_BAD;
-}
-
-/* Reads the table on rank 0. *bad: the number of the first bad line, or -1 if the file cannot be read. Skips a
-   byte-order mark, blank lines, comments (#), and a first other line that has the names of the columns. */
-static PetscErrorCode ReadTable(struct _p_Motion *m, PetscInt dim, int *bad)
-{
-  PetscSegBuffer rows;
-  FILE          *file = NULL;
-  struct stat    info;
-  char           line[LINE_LENGTH];
-  PetscReal      before  = -PETSC_MAX_REAL;
-  PetscBool      first   = PETSC_TRUE;
-  int            columns = 0;
-
-  PetscFunctionBegin;
-  *bad = -1;
-  if (stat(m->file.path, &info) || !S_ISREG(info.st_mode) || !(file = fopen(m->file.path, "r")))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  *bad = 0;
-  PetscCall(PetscSegBufferCreate(TABLE_ROW * sizeof(PetscReal), 64, &rows));
-  for (int n = 1; !*bad && fgets(line, sizeof(line), file); n++) {
-    const PetscBool whole = (PetscBool)(strchr(line, '\n') || feof(file)); /* neither too long nor with a byte 0 */
-    char           *text  = line;
-    PetscReal       number[TABLE_ROW + 1] = {0}, *row;
-    int             count;
-
-    if (n == 1 && !strncmp(text, BYTE_ORDER, strlen(BYTE_ORDER))) text += strlen(BYTE_ORDER);
-    text += strspn(text, " \t");
-    count = !whole ? LINE_BAD : *text == '#' ? 0 : ReadLine(text, number);
-    if (count == 0) continue;
-    if (first && count == LINE_NAMES) {
-      first = PETSC_FALSE;
-      continue;
-    }
-    first = PETSC_FALSE;
-    if (columns == 0) columns = count;
-    if (count != columns || count < dim + 1 || count > dim + 2 || number[0] <= before) *bad = n;
-    before = number[0];
-    PetscCall(PetscSegBufferGet(rows, 1, &row));
-    for (PetscInt k = 0; k <= DIM; k++) row[k] = k <= dim ? number[k] : 0;
-    row[TABLE_ROW - 1] = DEGREE * number[dim + 1];
-    m->rows++;
-  }
-  (void)fclose(file);
-  PetscCall(PetscSegBufferExtractAlloc(rows, &m->table));
-  PetscCall(PetscSegBufferDestroy(&rows));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Refuses a table in which the solid is faster than SPEED_MAX. */
 static PetscErrorCode CheckTable(Body body)
 {
@@ -259,37 +177,36 @@ static PetscErrorCode CheckTable(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the table on rank 0 and sends it to the other ranks. */
+/* Reads the table. */
 static PetscErrorCode ShareTable(Body body)
 {
-  struct _p_Motion *m    = body->motion;
-  MPI_Comm          comm = body->domain->comm;
-  PetscMPIInt       rank;
-  int               bad = 0;
+  struct _p_Motion *m   = body->motion;
+  const PetscInt    dim = body->domain->dim;
+  PetscInt          columns;
+  PetscReal        *read;
+  char              option[SCENE_NAME_LENGTH + 32], what[128];
 
   PetscFunctionBegin;
   if (!m->file.path[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!rank) PetscCall(ReadTable(m, body->domain->dim, &bad));
-  PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
-  PetscCallMPI(MPI_Bcast(&m->rows, 1, MPIU_INT, 0, comm));
-  PetscCheckUser(bad >= 0, comm, "-%smotion_file %s cannot be read or is no regular file", body->prefix, m->file.path);
-  PetscCheckUser(
-    bad == 0, comm,
-    "-%smotion_file %s, line %d: a line must have %d finite numbers, %s, or in all lines an angle more, and "
-    "a later time than the line before; the first line may have the names of the columns",
-    body->prefix, m->file.path, bad, (int)body->domain->dim + 1, body->domain->dim == 2 ? "t,x,y" : "t,x,y,z");
-  PetscCheckUser(m->rows >= 2, comm, "-%smotion_file %s must have two lines or more", body->prefix, m->file.path);
-  if (rank) PetscCall(PetscMalloc1(TABLE_ROW * m->rows, &m->table));
-  PetscCallMPI(MPI_Bcast(m->table, (PetscMPIInt)(TABLE_ROW * m->rows), MPIU_REAL, 0, comm));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%smotion_file", body->prefix));
+  PetscCall(PetscSNPrintf(what, sizeof(what), "%d finite numbers, %s, or in all lines an angle more", (int)dim + 1,
+                          dim == 2 ? "t,x,y" : "t,x,y,z"));
+  PetscCall(TableRead(body->domain->comm, option, what, dim + 1, dim + 2, &m->file, &m->rows, &columns, &read));
+  PetscCall(PetscCalloc1(TABLE_ROW * m->rows, &m->table));
+  for (PetscInt k = 0; k < m->rows; k++) {
+    PetscReal *row = m->table + TABLE_ROW * k;
+
+    for (PetscInt c = 0; c <= dim; c++) row[c] = read[columns * k + c];
+    if (columns == dim + 2) row[TABLE_ROW - 1] = DEGREE * read[columns * k + dim + 1];
+  }
+  PetscCall(PetscFree(read));
   for (PetscInt k = 0; k < m->rows; k++)
     PetscCheckUser(!DomainIsRadial(body->domain, 0) ||
                      (m->table[TABLE_ROW * k + 1] == 0 && m->table[TABLE_ROW * (k + 1) - 1] == 0),
-                   comm,
+                   body->domain->comm,
                    "-%smotion_file %s: with -dimension axisymmetric a solid can move along the axis only, so x and "
                    "the angle must be 0",
                    body->prefix, m->file.path);
-  m->file.checksum = HashBytes(HASH_START, m->table, TABLE_ROW * (size_t)m->rows * sizeof(*m->table));
   PetscCall(CheckTable(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,12 +6,17 @@
 #define FILLINGS_LOOKED_AT 2    /* in FillingMoments */
 #define INTERVAL_ROUNDING  1e-9 /* of the interval: a filling that is due must not be missed by rounding */
 
+#define ROWS_MOST 256 /* of a table of speeds */
+
 typedef struct {
-  PetscReal start, interval;       /* s */
-  PetscInt  count;                 /* of fillings; 0: no end */
-  PetscReal nozzle;                /* m */
-  PetscReal modulation, frequency; /* of the speed: amplitude e (1), f (Hz) */
-  PetscReal w;                     /* 2 pi f, rad/s */
+  PetscReal  start, interval;       /* s */
+  PetscInt   count;                 /* of fillings; 0: no end */
+  PetscReal  nozzle;                /* m */
+  PetscReal  modulation, frequency; /* of the speed: amplitude e (1), f (Hz) */
+  PetscReal  w;                     /* 2 pi f, rad/s */
+  OptionFile file;                  /* of the table; empty: none */
+  PetscInt   rows;                  /* of the table */
+  PetscReal  row[ROWS_MOST][2];     /* [rows] time (s), speed (m/s) */
 } Emitter;
 
 /* Length (m) of the body's bounds along its velocity. */
@@ -35,6 +40,10 @@ static const OptionRow options[] = {
    "[0, inf)", ROW_REAL, offsetof(Emitter, nozzle)},
   {"-modulation", "Amplitude of the oscillation of an emitter's speed, over the speed", "1", "[0, 1)", ROW_REAL,
    offsetof(Emitter, modulation)},
+  {"-velocity_file",
+   "Table of an emitter's speed, lines of t,speed (s, m/s), linear between them and constant before and after; "
+   "the direction is that of the velocity",
+   NULL, NULL, ROW_FILE, offsetof(Emitter, file), .fallback = "none"},
   {"-modulation_frequency", "Frequency of that oscillation", "Hz", "[0, inf)", ROW_REAL, offsetof(Emitter, frequency)},
   {.name = NULL},
 };
@@ -45,6 +54,31 @@ static void EmitterDefaults(void *owner)
   const PetscReal speed = Norm(body->uniform);
 
   ((Emitter *)body->type_data)->interval = speed > 0 ? LengthAlong(body, speed) / speed : 0;
+}
+
+static PetscErrorCode ReadSpeeds(Body body, Emitter *e)
+{
+  const MPI_Comm comm = body->domain->comm;
+  char           option[SCENE_NAME_LENGTH + 32];
+  PetscInt       columns;
+  PetscReal     *table;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%svelocity_file", body->prefix));
+  PetscCall(TableRead(comm, option, "two finite numbers, time and speed", 2, 2, &e->file, &e->rows, &columns, &table));
+  if (!e->rows) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheckUser(e->rows <= ROWS_MOST, comm, "%s %s has %" PetscInt_FMT " lines; at most %d are allowed", option,
+                 e->file.path, e->rows, ROWS_MOST);
+  PetscCheckUser(e->modulation == 0, comm, "%s and -%smodulation cannot be used together", option, body->prefix);
+  for (PetscInt k = 0; k < e->rows; k++) {
+    PetscCheckUser(table[2 * k + 1] >= 0 && table[2 * k + 1] <= SPEED_MAX, comm,
+                   "%s %s: the speed %g m/s must lie in [0, %g]: an emitter takes no liquid back", option, e->file.path,
+                   (double)table[2 * k + 1], SPEED_MAX);
+    e->row[k][0] = table[2 * k];
+    e->row[k][1] = table[2 * k + 1];
+  }
+  PetscCall(PetscFree(table));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode EmitterSetUp(void *owner)
@@ -71,14 +105,43 @@ static PetscErrorCode EmitterSetUp(void *owner)
   PetscCheckUser(e->frequency > 0 || e->modulation == 0, comm, "-%smodulation needs -%smodulation_frequency, in Hz",
                  body->prefix, body->prefix);
   e->w = 2 * PETSC_PI * e->frequency;
+  PetscCall(ReadSpeeds(body, e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The distance that the emitter's liquid has moved since the start, over the speed without modulation (s). */
-static PetscReal TravelTime(const Emitter *e, PetscReal time)
+/* The speed of the table at a time (m/s). */
+static PetscReal TableSpeed(const Emitter *e, PetscReal time)
 {
+  PetscInt k = 0;
+
+  while (k < e->rows && e->row[k][0] <= time) k++;
+  if (k == 0 || k == e->rows) return e->row[PetscMax(0, k - 1)][1];
+  return e->row[k - 1][1] +
+         (e->row[k][1] - e->row[k - 1][1]) * (time - e->row[k - 1][0]) / (e->row[k][0] - e->row[k - 1][0]);
+}
+
+/* The way (m) of liquid with the table's speed from the start to a time: the trapezoids between rows are exact. */
+static PetscReal TableWay(const Emitter *e, PetscReal time)
+{
+  PetscReal way = 0, before = e->start;
+
+  for (PetscInt k = 0; k <= e->rows && before < time; k++) {
+    const PetscReal next = k < e->rows ? PetscMin(time, e->row[k][0]) : time;
+
+    if (next <= before) continue;
+    way += 0.5 * (next - before) * (TableSpeed(e, before) + TableSpeed(e, next));
+    before = next;
+  }
+  return way;
+}
+
+/* The distance that the emitter's liquid has moved since the start, over the speed of the body's velocity (s). */
+static PetscReal TravelTime(Body body, PetscReal time)
+{
+  const Emitter  *e = (const Emitter *)body->type_data;
   const PetscReal t = time - e->start;
 
+  if (e->rows) return t <= 0 ? t : TableWay(e, time) / Norm(body->uniform);
   return e->modulation > 0 ? t + e->modulation * (1 - PetscCosReal(e->w * t)) / e->w : t;
 }
 
@@ -89,6 +152,7 @@ static void FillingMoments(Body body, Moments *moments)
   for (PetscInt k = 0; k < FILLINGS_LOOKED_AT; k++) MomentAdd(moments, e->start + (0.5 + k) * e->interval);
   MomentAdd(moments, e->start - e->interval);
   if (e->count > 0) MomentAdd(moments, e->start + (0.5 + (PetscReal)e->count) * e->interval);
+  for (PetscInt k = 0; k < e->rows; k++) MomentAdd(moments, e->row[k][0]);
   MomentPeriod(moments, e->modulation > 0 ? e->frequency : 0, e->start);
 }
 
@@ -98,7 +162,7 @@ static PetscInt Fillings(Body body, PetscReal time)
   PetscInt       n;
 
   if (time < e->start) return 0;
-  n = (PetscInt)PetscFloorReal(TravelTime(e, time) / e->interval + INTERVAL_ROUNDING) + 1;
+  n = (PetscInt)PetscFloorReal(TravelTime(body, time) / e->interval + INTERVAL_ROUNDING) + 1;
   return e->count > 0 ? PetscMin(n, e->count) : n;
 }
 
@@ -106,13 +170,15 @@ void EmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
 {
   const Emitter *e = (const Emitter *)body->type_data;
 
-  for (PetscInt d = 0; d < DIM; d++) shift[d] = (TravelTime(e, time) - (PetscReal)k * e->interval) * body->uniform[d];
+  for (PetscInt d = 0; d < DIM; d++)
+    shift[d] = (TravelTime(body, time) - (PetscReal)k * e->interval) * body->uniform[d];
 }
 
 static void Velocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
-  const Emitter  *e     = (const Emitter *)body->type_data;
-  const PetscReal speed = 1 + e->modulation * PetscSinReal(e->w * (time - e->start));
+  const Emitter  *e = (const Emitter *)body->type_data;
+  const PetscReal speed =
+    e->rows ? TableSpeed(e, time) / Norm(body->uniform) : 1 + e->modulation * PetscSinReal(e->w * (time - e->start));
 
   BodyVelocity(body, x, v);
   for (PetscInt d = 0; d < DIM; d++) v[d] += (speed - 1) * body->uniform[d];
