@@ -48,12 +48,12 @@ def ran(names, limit, jobs):
         return dict(zip(names, pool.map(one, names)))
 
 
-def reported(run, place, reference=None):
+def reported(run, place, title, reference=None):
     """Draws the report of a run, unless it is there, and puts it and its pictures into a folder of the site.
     reference: a file of the case to be shown beside it."""
     page_of = os.path.join(run.folder, "report.html")
     commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES, "--scripts",
-                                                 f"../../{SHARED}", *(["--reference", reference] if reference else [])))
+                                                 f"../../{SHARED}", "--title", title, *(["--reference", reference] if reference else [])))
     series = os.path.join(run.folder, "series.csv")
     if not os.path.exists(page_of) or os.path.getmtime(page_of) < os.path.getmtime(series):
         for name, *flags in commands:
@@ -136,7 +136,7 @@ def main():
         print(f"{name}: {run}", flush=True)
         if not isinstance(run, str):
             reference = os.path.join("cases", name, "reference.csv")
-            reported(run, os.path.join(output, "cases", name), reference if os.path.exists(reference) else None)
+            reported(run, os.path.join(output, "cases", name), name, reference if os.path.exists(reference) else None)
     for path in found(PAGES):
         name = os.path.basename(os.path.dirname(path))
         own = path == os.path.join("cases", name, "README.md") and name in runs

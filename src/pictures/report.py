@@ -237,6 +237,7 @@ def main():
     parser.add_argument("--triangles", type=int, default=20000,
                         help="most triangles of the surface, or particles, at a time (20000)")
     parser.add_argument("--reference", metavar="FILE", help="a table whose columns are drawn beside those of the run")
+    parser.add_argument("--title", metavar="TEXT", help="of the page (the name of the folder)")
     parser.add_argument("--scripts", metavar="ADDRESS", help="where the scripts are, if not in the page")
     arguments = parser.parse_args()
     if not os.path.exists(VIEWER[0]):
@@ -254,7 +255,7 @@ def main():
             "Smoothed Particle Hydrodynamics Method</i>, 2014. The page uses three.js and uPlot (MIT licences).</p>\n")
     with open(os.path.join(HERE, "report.html"), encoding="utf-8") as file:
         page = file.read()
-    name = os.path.basename(os.path.abspath(arguments.folder))
+    name = arguments.title or os.path.basename(os.path.abspath(arguments.folder))
     date = time.strftime("%Y-%m-%d", time.gmtime(os.path.getmtime(os.path.join(arguments.folder, "scene.json"))))
     ends = f"from {data.duration(series['time'][0])} to {data.duration(series['time'][-1])}"
     for key, value in (("title", html.escape(name)), ("subtitle", f"isph {scene['version']}, {date}; {ends}"),

@@ -41,7 +41,9 @@ with open(os.path.join(case, "README.html"), encoding="utf-8") as file:
 runs.check(re.search(r"\d+ particles, \d+ steps, \S+ s on one core", text) and "<table>" in text, "page_of_a_case",
            text[:600])
 with open(os.path.join(case, "report.html"), encoding="utf-8") as file:
-    shared = re.findall('<script src="([^"]+)"', file.read())
+    text = file.read()
+shared = re.findall('<script src="([^"]+)"', text)
+runs.check("<h1>free_fall</h1>" in text, "title_of_a_report", text[:2000])
 runs.check(len(shared) == 5 and all(os.path.exists(os.path.join(case, path)) for path in shared), "shared_scripts",
            str(shared))
 runs.check(all(os.path.getsize(os.path.join(case, name)) > 5000 for name in ("report.html", "figures/section.png")),
@@ -58,7 +60,7 @@ gallery.subprocess = types.SimpleNamespace(DEVNULL=None, run=lambda words, **_: 
 for newer, due in (("report.html", 0), ("series.csv", 2)):
     for name in ("series.csv", "report.html"):
         os.utime(os.path.join(home, name), (0, 1000 + (name == newer)))
-    gallery.reported(types.SimpleNamespace(folder=home), home + "/figures")
+    gallery.reported(types.SimpleNamespace(folder=home), home + "/figures", "one")
     runs.check(len(drawn) == due, f"report_where_{newer}_is_newer", str(drawn))
 runs.check("nowhere: the options file cases/nowhere/case.opts cannot be opened" in done.stdout, "refused_case",
            done.stdout[-400:])
