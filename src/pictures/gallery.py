@@ -52,8 +52,9 @@ def reported(run, place, title, reference=None):
     """Draws the report of a run, unless it is there, and puts it and its pictures into a folder of the site.
     reference: a file of the case to be shown beside it."""
     page_of = os.path.join(run.folder, "report.html")
-    commands = (("pictures.py", "--dpi", DOTS), ("report.py", "--states", STATES, "--triangles", TRIANGLES, "--scripts",
-                                                 f"../../{SHARED}", "--title", title, *(["--reference", reference] if reference else [])))
+    shown = ["--states", STATES, "--triangles", TRIANGLES, "--scripts", f"../../{SHARED}", "--title", title]
+    commands = (("pictures.py", "--dpi", DOTS),
+                ("report.py", *shown, *(["--reference", reference] if reference else [])))
     series = os.path.join(run.folder, "series.csv")
     if not os.path.exists(page_of) or os.path.getmtime(page_of) < os.path.getmtime(series):
         for name, *flags in commands:

@@ -19,7 +19,8 @@ site = runs.scratch("site")
 done = subprocess.run([sys.executable, os.path.join(runs.ROOT, "src", "pictures", "gallery.py"), "--cases", "free_fall",
                        "nowhere", "--output", site], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                       env=runs.environment(), check=False)
-runs.check(done.returncode == 0 and re.search(r"\d+ pages, \d+ MB, \d+ s, \d+ s of processor time$", done.stdout), "gallery", done.stdout[-400:])
+runs.check(done.returncode == 0 and re.search(r"\d+ pages, \d+ MB, \d+ s, \d+ s of processor time$", done.stdout),
+           "gallery", done.stdout[-400:])
 pages = glob.glob(os.path.join(site, "**", "*.html"), recursive=True)
 broken, servers = [], []
 for path in pages:
