@@ -48,7 +48,8 @@ seen = page("?kind=0", "document.getElementById('field_d').value = 'two'; show()
 runs.check('class="bad"' in seen and '<pre id="text"></pre>' in seen, "a_number_that_is_none", seen[-300:])
 # the rows of the program's options: their unit and meaning, their range, another option
 seen = page("?kind=1")
-runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, (0, inf)' in seen, "unit_and_meaning_of_a_row", "")
+runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, (0, inf)' in seen,
+           "unit_and_meaning_of_a_row", seen[-300:])
 seen = page("?kind=1", "changed.set('-drop_density', '-1'); show();")
 runs.check('<pre id="text"></pre>' in seen and "must be (0, inf)" in seen, "a_value_out_of_range", seen[-300:])
 seen = page("?kind=1", "changed.set('-time_end', '1e-6'); add('-gauge_forces'); add('-drop_wave_mode');")

@@ -92,7 +92,8 @@ def main():
     with open(FORM, encoding="utf-8") as file:
         form = file.read()
     form = form.split(ROWS[0])[0] + ROWS[0] + rows(known) + ROWS[1] + form.split(ROWS[1])[1]
-    for file_path, fresh in ((LIST, text), (FORM, form), (README, f"{head}{MARKS[0]}\n\n{reference(known)}\n{MARKS[1]}{tail}")):
+    page = f"{head}{MARKS[0]}\n\n{reference(known)}\n{MARKS[1]}{tail}"
+    for file_path, fresh in ((LIST, text), (FORM, form), (README, page)):
         if "--write" in sys.argv:
             with open(file_path, "w", encoding="utf-8") as file:
                 file.write(fresh)
