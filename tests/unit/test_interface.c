@@ -2,6 +2,7 @@
    and that a pressure which balances the jumps pushes nothing, next to walls and at a free surface too. Lengths in
    spacings. Runs on any number of ranks. */
 #include "../../src/interface/interface_impl.h"
+#include "../../src/stepper/edge.h"
 #include "setup.h"
 #include "check.h"
 
@@ -57,6 +58,37 @@ static PetscErrorCode TestCircle(void)
   CHECK_CLOSE(count[2], 28 * 28, 0, "overlapping_bodies_fill_the_lattice");
   CHECK_CLOSE(jump / (3. / 8), 1, 0.03, "jump_is_tension_over_radius");
   CHECK_CLOSE(sum[0] / count[0] / jump, 0.5, 0.05, "both_sides_have_half_of_it");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+extern const Edge InterfaceEdge;
+
+/* The edge: the energy of a circle of tension 3 and radius 8, and its sums for the surface of each liquid while the
+   circle grows. */
+static PetscErrorCode TestEnergy(void)
+{
+  StepTrial  trial = {.diagnose = PETSC_FALSE};
+  PetscReal *mean, *sum = trial.sum;
+  Stepper    stepper;
+  Setup      s;
+
+  PetscFunctionBegin;
+  PetscCall(Open(FULL, &s));
+  PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
+  PetscCall(InterfaceEdge.diagnose(stepper, &trial));
+  PetscCall(CloudGetWork(s.cloud, DIM, &mean));
+  for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) mean[k] = s.cloud->field[FIELD_POSITION][k];
+  PetscCall(InterfaceEdge.work(stepper, 0.1, mean, &trial));
+  PetscCall(CloudRestoreWork(s.cloud, &mean));
+  CHECK_CLOSE(SetupSum(sum[SUM_SURFACE_ENERGY]) / (3 * 2 * PETSC_PI * 8), 1, 0.1, "energy_of_an_interface");
+  for (PetscInt k = SUM_SURFACES + SURFACE_SUMS; k <= SUM_SURFACES_LAST; k += SURFACE_SUMS) {
+    CHECK_CLOSE(SetupSum(sum[k]) / (0.1 * 2 * PETSC_PI * 8 * 8), k > SUM_SURFACES + SURFACE_SUMS ? 1 : -1, 0.15,
+                "flow_into_each_side_of_a_circle_that_grows");
+    CHECK_CLOSE(SetupSum(sum[k + 1]) / (2 * PETSC_PI * 8), 1, 0.1, "each_side_of_an_interface_has_its_area");
+  }
+  CHECK_CLOSE(SetupSum(sum[SUM_SURFACES + 1]), 0, 0, "an_interface_is_no_free_surface");
+  PetscCall(StepperDestroy(&stepper));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -328,6 +360,7 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestCircle());
+  PetscCall(TestEnergy());
   PetscCall(TestBalance(FULL, "full"));
   PetscCall(TestBalance(WALLS, "walls"));
   PetscCall(TestBalance(OPEN, "open"));
