@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Speed and height of a rising bubble against the three groups of Hysing et al. (2009), case 2.
+"""Speed and height of a rising bubble against the three groups of Hysing et al. (2009), case 2; as rings, its Reynolds
+number against those that Bhaga and Weber (1981) measured.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -9,9 +10,28 @@ import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
 WINDOW = 0.06  # s, to either side, of the parabola whose slope is the speed
+MEASURED = {848: 2.47, 266: 3.57, 41.1: 7.16, 5.51: 13.3}  # Re of Bhaga and Weber by M, at E = 116
+STEADY = 5  # in units of (diameter / gravity)^(1/2): from here on the speed changes by 1 % at most
+
+
+def steady(folder, options):
+    """The bubble of rings.opts, in units of its diameter, gravity and the density of the liquid."""
+    rows = physics.table(os.path.join(folder, "pockets.csv"))
+    largest = [part[part["volume_m3"].argmax()] for part in
+               (rows[rows["time_s"] == time] for time in np.unique(rows["time_s"]))]
+    t, y, volume = (np.array([pocket[name] for pocket in largest]) for name in ("time_s", "y_m", "volume_m3"))
+    viscosity, tension = (float(options["-liquid_" + name]) for name in ("viscosity", "tension"))
+    morton = viscosity**4 / tension**3
+    number = np.polyfit(t[t > STEADY], y[t > STEADY], 1)[0] / viscosity
+    return [physics.relative("Reynolds number", number, MEASURED[min(MEASURED, key=lambda m: abs(m - morton))], 0.06),
+            physics.relative("volume at the end, over that at the start", volume[-1] / volume[0], 1, 0.02)]
 
 
 def check(folder):
+    _, head, _ = next(iter(physics.snapshots(folder)))
+    options = physics.options(head)
+    if options["-dimension"] == "axisymmetric":
+        return steady(folder, options)
     rows = physics.table(os.path.join(folder, "pockets.csv"))
     t = np.unique(rows["time_s"])
     parts = [rows[rows["time_s"] == time] for time in t]

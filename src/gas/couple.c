@@ -22,6 +22,7 @@
 #define CENTRED 0.25 /* b */
 #define MEMORY  4    /* relaxation times of the pressure in which the cells correct a volume */
 #define COUNTS  0.1  /* cells that are emptier count for what a row sees */
+#define HOLD    0.3  /* of what a volume lacks, that an iteration of the settling gives back */
 #define LEAST   0.1  /* of the volume by the cells: the tracked one is not less */
 
 void GasForget(Gas *gas)
@@ -278,7 +279,9 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     if (gas->exponent == 0 && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */
       gas->matrix[k * n + k] = 1;
       gas->g[k]              = 0;
-    } else if (gas->exponent == 0)
+    } else if (gas->frozen) /* at rest */
+      gas->g[k] = HOLD * (pocket->amount - pocket->volume) / (dt * dt * s);
+    else if (gas->exponent == 0)
       gas->g[k] = ((pocket->amount - V) / (MEMORY * PressureRelaxationTime(pressure)) - gas->star[k + 1]) / (dt * s);
     else {
       const PetscReal P = gas->ambient * PetscPowReal(pocket->amount / V, gas->exponent), K = gas->exponent * P / V,

@@ -111,9 +111,13 @@ static PetscBool Drives(Stepper stepper)
 
 static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
 {
+  Gas *gas = GasOf(stepper);
+
   PetscFunctionBegin;
-  GasOf(stepper)->frozen = frozen;
-  GasForget(GasOf(stepper));
+  gas->frozen       = frozen;
+  gas->before_known = gas->found = PETSC_FALSE;
+  gas->before.count              = 0;
+  GasForget(gas);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,8 +142,9 @@ static PetscErrorCode Surround(Stepper stepper)
   Gas *gas = GasOf(stepper);
 
   PetscFunctionBegin;
-  if (gas->frozen || (gas->before_known && !gas->before.count && gas->idle < LOOK - 1))
+  if (gas->before_known && !gas->before.count && (gas->frozen || gas->idle < LOOK - 1))
     PetscFunctionReturn(PETSC_SUCCESS);
+  if (gas->frozen && gas->found) GasSwap(gas);
   PetscCall(GasFind(gas));
   PetscCall(GasFindRows(gas));
   PetscFunctionReturn(PETSC_SUCCESS);

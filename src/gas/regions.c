@@ -372,7 +372,8 @@ PetscErrorCode GasFind(Gas *gas)
 
     /* what was air has the air's pressure, at the start that of the option */
     pocket->amount +=
-      air[k] * pocket->volume * (gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
+      air[k] * pocket->volume *
+      (gas->frozen || gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     pocket->tracked += air[k] * pocket->volume;
     if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought)
       pocket->tracked += pocket->volume - was[k]; /* no flux tells it */

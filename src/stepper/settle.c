@@ -82,6 +82,7 @@ static PetscErrorCode Even(Stepper stepper)
   PetscCall(CloudBegin(cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
   PetscCall(CloudGetWork(cloud, DIM, &dr));
+  StepHook(stepper, surround, stepper);
   PetscCall(RemoveDefects(stepper, dr));
   x = cloud->field[FIELD_POSITION_NEW];
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_POSITION], DIM * cloud->n_fluid));

@@ -230,8 +230,11 @@ ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", T
 
 # enclosed gas
 ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=RINGS),
-            Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"), Entry("rising_bubble"),
+            Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"),
+            Entry("breathing_bubble", "graded rings", file="deep.opts"), Entry("rising_bubble"),
             Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle")]
+ENTRIES += [Entry("rising_bubble", f"rings, M {morton}", f"-liquid_viscosity {viscosity}", file=RINGS)
+            for morton, viscosity in ((848, 0.1527), (266, 0.1143), (41.1, 0.0716), (5.51, 0.0433))]
 
 # the gallery: scenes for a look and to start from, each with one number that is judged; not run as printed
 COLLIDE = "-options_file cases/drop_collision/"
