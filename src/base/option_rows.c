@@ -321,12 +321,26 @@ static PetscErrorCode ReadChoice(Reading *r, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Sets the most entries that the list may have, after a check of those given: PETSc would drop what is beyond. */
+static PetscErrorCode CheckLength(const Reading *r, MPI_Comm comm, PetscInt *most)
+{
+  PetscInt count = 1;
+
+  PetscFunctionBegin;
+  *most = r->row->most ? r->row->most : OPTION_NUMBERS_MOST;
+  for (const char *c = r->given; c && *c; c++) count += *c == ',';
+  PetscCheckUser(count <= *most, comm, "-%s%s has %" PetscInt_FMT " entries; at most %" PetscInt_FMT " are allowed",
+                 r->prefix, r->row->name + 1, count, *most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadNumbers(Reading *r, OptionItems PetscOptionsObject)
 {
   OptionNumbers *numbers = (OptionNumbers *)r->value;
-  PetscInt       count   = r->row->most ? r->row->most : OPTION_NUMBERS_MOST;
+  PetscInt       count;
 
   PetscFunctionBegin;
+  PetscCall(CheckLength(r, PetscOptionsObject->comm, &count));
   PetscCall(PetscOptionsRealArray(r->row->name, r->help, r->place, numbers->value, &count, NULL));
   if (r->set) numbers->count = count;
   for (PetscInt k = 0; k < numbers->count; k++)
@@ -337,10 +351,11 @@ static PetscErrorCode ReadNumbers(Reading *r, OptionItems PetscOptionsObject)
 
 static PetscErrorCode ReadNames(Reading *r, OptionItems PetscOptionsObject)
 {
-  OptionList *list  = (OptionList *)r->value;
-  PetscInt    count = r->row->most ? r->row->most : OPTION_NUMBERS_MOST;
+  OptionList *list = (OptionList *)r->value;
+  PetscInt    count;
 
   PetscFunctionBegin;
+  PetscCall(CheckLength(r, PetscOptionsObject->comm, &count));
   PetscCall(PetscOptionsStringArray(r->row->name, r->help, r->place, list->text, &count, NULL));
   if (r->set) list->count = count;
   PetscFunctionReturn(PETSC_SUCCESS);

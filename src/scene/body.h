@@ -6,7 +6,7 @@
 #include "scene.h"
 
 #define SCENE_NAME_LENGTH OPTION_WORD_LENGTH
-#define BODY_HOLES_MOST   16
+#define BODY_HOLES_MOST   64
 
 /* A shape. */
 typedef struct {

@@ -25,10 +25,10 @@ PetscErrorCode SceneDestroy(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The names of bodies, solids and regions, to be freed. One more than allowed of each, to detect too many. */
+/* The names of bodies, solids and regions, to be freed. */
 typedef struct {
   PetscInt count;
-  char    *name[SCENE_MAX_BODIES + 1];
+  char    *name[SCENE_MAX_BODIES];
 } Names;
 typedef struct {
   Names bodies, solids, fine;
@@ -36,13 +36,13 @@ typedef struct {
 
 static const OptionRow words[] = {
   {"-bodies", "Names of the bodies, separated by commas", NULL, NULL, ROW_NAMES, offsetof(SceneWords, bodies),
-   .fallback = OPTION_REQUIRED, .most = SCENE_MAX_BODIES + 1},
+   .fallback = OPTION_REQUIRED, .most = SCENE_MAX_BODIES},
   {"-solids", "Names of the solids, separated by commas", NULL, NULL, ROW_NAMES, offsetof(SceneWords, solids),
-   .most = SCENE_MAX_BODIES + 1},
+   .most = SCENE_MAX_BODIES},
   {"-fine",
    "Names of the regions where the spacing is -spacing, separated by commas; each has a shape like a body; needs "
    "-spacing_coarse",
-   NULL, NULL, ROW_NAMES, offsetof(SceneWords, fine), .most = SCENE_MAX_BODIES + 1},
+   NULL, NULL, ROW_NAMES, offsetof(SceneWords, fine), .most = SCENE_MAX_BODIES},
   {.name = NULL},
 };
 
@@ -125,8 +125,6 @@ static PetscErrorCode CreateBodies(Scene scene, const char option[], Names *name
   PetscErrorCode bad = PETSC_SUCCESS;
 
   PetscFunctionBegin;
-  PetscCheckUser(names->count <= SCENE_MAX_BODIES, scene->domain->comm, "%s has more than the %d names allowed", option,
-                 SCENE_MAX_BODIES);
   for (PetscInt b = 0; b < names->count; b++) {
     if (!bad) bad = CheckName(scene, option, names->name[b]);
     if (!bad) {
