@@ -139,10 +139,11 @@ PetscErrorCode GasFindRows(Gas *gas)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the rows are of the cloud's present order. */
+/* Whether the rows are of the cloud's present order. While the packing settles, the liquid in a closed vessel decides
+   how much it leaves to the gas. */
 static PetscBool Acts(const Gas *gas)
 {
-  return (PetscBool)(gas->found && gas->layout == gas->cloud->layout);
+  return (PetscBool)(gas->found && gas->layout == gas->cloud->layout && (gas->open || !gas->frozen));
 }
 
 /* q = (D + C)^-1 y */
@@ -276,7 +277,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     if (gas->before_known) pocket->tracked += dt * gas->old[k + 1];
     pocket->tracked += correction * (pocket->volume - pocket->tracked);
     V = pocket->tracked = PetscMax(pocket->tracked, LEAST * pocket->volume);
-    if (gas->exponent == 0 && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */
+    if ((gas->frozen || gas->exponent == 0) && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */
       gas->matrix[k * n + k] = 1;
       gas->g[k]              = 0;
     } else if (gas->frozen) /* at rest */

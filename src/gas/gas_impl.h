@@ -126,11 +126,11 @@ typedef struct {
 
 /* The data of the edge. */
 typedef struct {
-  PetscBool on, frozen, solids_move;
-  PetscReal ambient, exponent, start; /* Pa; p V^exponent is constant; Pa, of the pockets of the start */
-  Cloud     cloud;                    /* borrowed */
-  Pressure  pressure;                 /* borrowed */
-  Pockets   now, before;              /* of this trial; of the last step */
+  PetscBool on, frozen, open, solids_move; /* open: there is open air, too */
+  PetscReal ambient, exponent, start;      /* Pa; p V^exponent is constant; Pa, of the pockets of the start */
+  Cloud     cloud;                         /* borrowed */
+  Pressure  pressure;                      /* borrowed */
+  Pockets   now, before;                   /* of this trial; of the last step */
   PetscBool before_known, found, solved;
   PetscBool crowded, said;              /* there are more than GAS_MOST regions; the run has said so */
   PetscInt  idle;                       /* steps since pockets were looked for */

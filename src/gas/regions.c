@@ -277,6 +277,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
 
   PetscFunctionBegin;
   gas->crowded   = (PetscBool)(least > SMALLEST);
+  gas->open      = PETSC_FALSE;
   gas->now.count = 0;
   gas->born = gas->merged = gas->split = 0;
   if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
@@ -285,6 +286,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
     Pocket   pocket  = {0};
     PetscInt was_air = 0, sources = 0;
 
+    gas->open = (PetscBool)(gas->open || region->label == GAS_AIR);
     if (region->label == GAS_AIR || region->cells < least) continue;
     if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
     if (gas->before_known && sources + was_air == 0) continue; /* a void */

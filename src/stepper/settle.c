@@ -81,8 +81,8 @@ static PetscErrorCode Even(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  PetscCall(CloudGetWork(cloud, DIM, &dr));
   StepHook(stepper, surround, stepper);
+  PetscCall(CloudGetWork(cloud, DIM, &dr));
   PetscCall(RemoveDefects(stepper, dr));
   x = cloud->field[FIELD_POSITION_NEW];
   PetscCall(PetscArraycpy(x, cloud->field[FIELD_POSITION], DIM * cloud->n_fluid));
