@@ -47,7 +47,8 @@ def check(folder):
     found = peaks(t, volume / volume[0])
     period = [np.diff(p[:, 0]).mean() for p in (found, exact)]
     first, last = (found[k, 1] - 1 for k in (0, -1))
-    return [physics.relative("period", *period, 0.015 if options["-dimension"] == "3" else 0.005, "s"),
+    within = 0.015 if options["-dimension"] == "3" else 0.01 if "-spacing_coarse" in options else 0.005
+    return [physics.relative("period", *period, within, "s"),
             physics.relative("amplitude of the volume, first", first, exact[0, 1] - 1, 0.02),
             physics.relative("the same, last", last, exact[-1, 1] - 1, 0.03)]
 
