@@ -351,7 +351,7 @@ PetscErrorCode GasFind(Gas *gas)
   GasCells *cells   = &gas->now.cells;
   Domain    domain  = gas->cloud->domain;
   Regions   regions = {NULL, 0, 0};
-  PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1], brought = 0;
+  PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1] = {0}, brought = 0;
   PetscInt *queue, labelled = 0, nodes;
 
   PetscFunctionBegin;
