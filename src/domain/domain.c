@@ -386,11 +386,6 @@ PetscInt DomainExit(Domain domain, const PetscReal x[DIM])
   return -1;
 }
 
-PetscBool DomainOutside(Domain domain, const PetscReal x[DIM])
-{
-  return (PetscBool)(DomainExit(domain, x) >= 0);
-}
-
 const char *DomainUnit(Domain domain, const char unit[])
 {
   static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"Nm", "Nm/m"}, {"m3", "m2"}, {"m2", "m"}};

@@ -168,10 +168,9 @@ void DomainNearest(Domain domain, PetscReal difference[DIM]);
 /* DomainConfine - takes x (m) back into the box: through periodic faces, by reflection at symmetry faces, and to just
    inside open faces and walls. Not collective. */
 void DomainConfine(Domain domain, PetscReal x[DIM]);
-/* DomainOutside - whether x (m) has left the box through an open face. DomainExit - the number of this face, 2 d +
-   side; -1: x has not left. Not collective. */
-PetscBool DomainOutside(Domain domain, const PetscReal x[DIM]);
-PetscInt  DomainExit(Domain domain, const PetscReal x[DIM]);
+/* DomainExit - the number of the open face, 2 d + side, through which x (m) has left the box; -1: it has not. Not
+   collective. */
+PetscInt DomainExit(Domain domain, const PetscReal x[DIM]);
 /* DomainWallSpeed - of the fastest wall (m/s). Not collective. */
 PetscReal DomainWallSpeed(Domain domain);
 /* DomainWallVelocity - the velocity v (m/s) of the wall face that x (m), outside the box, lies behind. Behind an edge

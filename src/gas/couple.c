@@ -247,6 +247,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gas->matrix, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, moved, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, cloud->comm));
+  if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS); /* nothing moves */
   if (gas->solids_move) PetscCall(GasCellsSolid(&gas->now.cells, cloud, PressureFull(pressure)));
   PetscCall(GasCellsRates(&gas->now.cells, cloud, PressureFull(pressure), n, cloud->field[FIELD_VELOCITY_STAR],
                           cloud->field[FIELD_VELOCITY], gas->star, gas->old));
@@ -274,7 +275,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     PetscReal V;
 
     /* the flux gives the fast changes of the volume, the cells the slow ones */
-    if (gas->before_known) pocket->tracked += dt * gas->old[k + 1];
+    if (gas->before_known && !gas->frozen) pocket->tracked += dt * gas->old[k + 1];
     pocket->tracked += correction * (pocket->volume - pocket->tracked);
     V = pocket->tracked = PetscMax(pocket->tracked, LEAST * pocket->volume);
     if ((gas->frozen || gas->exponent == 0) && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */

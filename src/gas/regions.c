@@ -254,28 +254,31 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
   return sources;
 }
 
-/* The cells of the smallest pocket, so many that there are at most GAS_MOST. */
-static PetscInt Least(const Regions *regions)
+/* *least: the cells of the smallest pocket, so many that there are at most GAS_MOST. */
+static PetscErrorCode Least(const Regions *regions, PetscInt *least)
 {
-  PetscInt least = SMALLEST, count;
+  PetscInt *cells, n = 0;
 
-  do {
-    count = 0;
-    for (PetscInt r = 0; r < regions->count; r++)
-      count += regions->region[r].label != GAS_AIR && regions->region[r].cells >= least;
-    least += count > GAS_MOST;
-  } while (count > GAS_MOST);
-  return least;
+  PetscFunctionBegin;
+  *least = SMALLEST;
+  PetscCall(PetscMalloc1(regions->count, &cells));
+  for (PetscInt r = 0; r < regions->count; r++)
+    if (regions->region[r].label != GAS_AIR) cells[n++] = regions->region[r].cells;
+  PetscCall(PetscSortInt(n, cells));
+  if (n > GAS_MOST) *least = PetscMax(SMALLEST, cells[n - GAS_MOST - 1] + 1);
+  PetscCall(PetscFree(cells));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Decides which regions are pockets and what gas they have. Without pockets before, at the start, every region that is
    not open has gas. */
 static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
 {
-  const PetscInt width = regions->count + 1, least = Least(regions);
-  PetscInt      *common = NULL;
+  const PetscInt width  = regions->count + 1;
+  PetscInt      *common = NULL, least;
 
   PetscFunctionBegin;
+  PetscCall(Least(regions, &least));
   gas->crowded   = (PetscBool)(least > SMALLEST);
   gas->open      = PETSC_FALSE;
   gas->now.count = 0;

@@ -26,7 +26,10 @@ PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges)
   g->cloud        = cloud;
   g->level        = NAN;
   g->multiplicity = 1;
-  for (PetscInt k = 0; Kind(k); k++) PetscCall(PetscCalloc1(Kind(k)->bytes, (char **)&g->data[k]));
+  for (PetscInt k = 0; Kind(k); k++) {
+    PetscCheck(k < GAUGE_KINDS, cloud->comm, PETSC_ERR_PLIB, "more than %d kinds of gauges", GAUGE_KINDS);
+    PetscCall(PetscCalloc1(Kind(k)->bytes, (char **)&g->data[k]));
+  }
   PetscCallMPI(MPI_Comm_rank(g->comm, &g->rank));
   PetscCallMPI(MPI_Comm_size(g->comm, &g->size));
   *gauges = g;

@@ -3,6 +3,7 @@
 #include <ctype.h>
 
 #define NORMAL_STEP   0.1  /* of the differences that give a normal, spacings */
+#define RIDGE         1e-3 /* of the step: differences below this vanish */
 #define AXIS_SAMPLES  9    /* points on the axis of rings at which CheckRings computes a body's velocity */
 #define AXIS_ROUNDING 1e-9 /* of a velocity, relative */
 
@@ -359,19 +360,40 @@ PetscReal SceneSolidSpeed(Scene scene)
   return speed;
 }
 
-void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM])
+/* The differences n of a distance (m) over 2 NORMAL_STEP, and how much it bends in each direction. Returns |n|. */
+static PetscReal Differences(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM],
+                             PetscReal n[DIM], PetscReal bend[DIM])
 {
-  const PetscReal step = NORMAL_STEP * scene->domain->spacing;
-  PetscReal       length;
+  const PetscReal step = NORMAL_STEP * scene->domain->spacing, here = distance(scene, which, x);
 
   for (PetscInt d = 0; d < DIM; d++) {
-    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+    PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]}, below, above;
 
     low[d] -= step;
     high[d] += step;
-    n[d] = d < scene->domain->dim ? distance(scene, which, high) - distance(scene, which, low) : 0;
+    below   = d < scene->domain->dim ? distance(scene, which, low) : here;
+    above   = d < scene->domain->dim ? distance(scene, which, high) : here;
+    n[d]    = above - below;
+    bend[d] = PetscAbsReal(above + below - 2 * here);
   }
-  length = Norm(n);
+  return Norm(n);
+}
+
+void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM])
+{
+  const PetscReal step = NORMAL_STEP * scene->domain->spacing;
+  PetscReal       bend[DIM], length = Differences(scene, distance, which, x, n, bend);
+
+  if (length < RIDGE * step) { /* in the middle of a thin solid: that of a point beside it, of either face */
+    PetscReal beside[DIM] = {x[0], x[1], x[2]};
+    PetscInt  across      = 0;
+
+    for (PetscInt d = 1; d < DIM; d++)
+      if (bend[d] > (1 + RIDGE) * bend[across]) across = d;
+    beside[across] += 2 * step;
+    length = Differences(scene, distance, which, beside, n, bend);
+    if (length < RIDGE * step) length = 0;
+  }
   for (PetscInt d = 0; d < DIM; d++) n[d] = length > 0 ? n[d] / length : 0;
 }
 

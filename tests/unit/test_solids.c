@@ -129,6 +129,24 @@ static PetscErrorCode TestScene(const char options[], PetscReal reach, PetscInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In the middle of a plate both faces are as far, and the normal is across it, as beside the middle. */
+static PetscErrorCode TestPlate(const char options[], const char name[])
+{
+  Setup s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, &s));
+  for (PetscInt k = 0; k < 3; k++) {
+    const PetscReal x[DIM] = {0.07 * k, -0.7 * 0.07 * k, 0};
+    PetscReal       n[DIM];
+
+    SceneSolidNormal(s.scene, x, n);
+    CHECK_CLOSE(PetscAbsReal((0.7 * n[0] + n[1]) / PetscSqrtReal(1.49)), 1, 1e-9, name);
+  }
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscReal flat, other;
@@ -149,6 +167,9 @@ int main(int argc, char **argv)
   PetscCall(TestScene(SPACE "-s_lower -0.43,-0.31,-0.38 -s_upper 0.41,0.323,0.4", 0.6, 6, flat, "cuboid", &other));
   PetscCall(TestScene(SPACE "-s_shape sphere -s_radius 0.437", 0.6, 6, flat, "ball", &other));
   PetscCall(TestScene(SPACE "-s_shape cylinder -s_radius 0.43 -s_height 0.75", 0.6, 6, flat, "cylinder", &other));
+  PetscCall(TestPlate(FLAT "-s_shape half_space -s_normal 0.7,1 -s_point 0,0.02 -s_holes h -h_shape half_space "
+                           "-h_normal 0.7,1 -h_point 0,-0.02",
+                      "middle_of_a_plate"));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }
