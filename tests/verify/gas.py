@@ -17,7 +17,7 @@ BUBBLE = f"""-spacing 1e-3 -bodies shell -shell_shape sphere -shell_center 0,0 -
 PLANE = BUBBLE + "-dimension 2 -box_lower -0.03,-0.03 -box_upper 0.03,0.03 -time_step 1e-4 -time_end 0.023 "
 RINGS = BUBBLE + "-dimension axisymmetric -box_lower 0,-0.03 -box_upper 0.03,0.03 -time_step 1e-4 -time_end 0.018 "
 DEEP = BUBBLE + """-dimension axisymmetric -spacing_coarse 8e-3 -fine near -near_shape sphere -near_center 0,0
- -near_radius 0.016 -shell_radius 0.06 -box_lower 0,-0.07 -box_upper 0.07,0.07 -time_step 1e-4 -time_end 1e-3 """
+ -near_radius 0.016 -shell_radius 0.1 -box_lower 0,-0.11 -box_upper 0.11,0.11 -time_step 1e-4 -time_end 1e-3 """
 HALF = PLANE + "-box_lower 0,-0.03 -box_xmin symmetry "
 
 
