@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #define LAYERS 2   /* that keep their depth: with a kernel of 2.6 spacings liquid hardly feels a third */
-#define FIXED  3   /* layers of the lattice below them, which hold them */
+#define FIXED  3   /* spacings below the dummies, in which the lattice holds them */
 #define MISFIT 0.1 /* of a layer's particles, by which a layer may differ so that shells of the lattice stay whole */
 
 /* A lattice with its own planes in each direction: at[d] ([n[d]], m). cell: the volume of a cell in sums, m^dim. */
@@ -255,13 +255,13 @@ static PetscErrorCode FillShape(Cloud cloud, Body solid, PetscReal depth, PetscI
 
   PetscFunctionBegin;
   Extent(cloud->domain, solid, region.lower, region.upper, through);
-  PetscCall(PlanesPoints(cloud->domain, solid, s, PetscMax(depth, (LAYERS + FIXED) * s), &all, cell, &region.point));
+  PetscCall(PlanesPoints(cloud->domain, solid, s, depth + FIXED * s, &all, cell, &region.point));
   if (all) qsort(region.point, (size_t)all, sizeof(*region.point), CompareDepths);
   whole    = Room(s, all, region.point, 0);
   region.n = all ? Take(s, all, region.point, whole, whole - Room(s, all, region.point, s)) : 0;
   MarkLayers(s, whole, region.n, region.point);
   for (PetscInt k = 0; k < region.n; k++) {
-    region.point[k].fixed   = (PetscBool)(region.point[k].layer == 0);
+    region.point[k].fixed   = (PetscBool)(region.point[k].measure <= -depth);
     region.point[k].measure = region.point[k].fixed ? PetscPowRealInt(s, (int)region.dim) : 0;
   }
   for (PetscInt d = 0; d < DIM; d++) region.along[d] = (PetscBool)(d < cloud->domain->dim);

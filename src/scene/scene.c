@@ -384,7 +384,7 @@ void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const P
   const PetscReal step = NORMAL_STEP * scene->domain->spacing;
   PetscReal       bend[DIM], length = Differences(scene, distance, which, x, n, bend);
 
-  if (length < RIDGE * step) { /* in the middle of a thin solid: that of a point beside it, of either face */
+  if (length < RIDGE * step && distance(scene, which, x) < 0) { /* in a thin solid: that of a point beside the middle */
     PetscReal beside[DIM] = {x[0], x[1], x[2]};
     PetscInt  across      = 0;
 
@@ -392,8 +392,8 @@ void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const P
       if (bend[d] > (1 + RIDGE) * bend[across]) across = d;
     beside[across] += 2 * step;
     length = Differences(scene, distance, which, beside, n, bend);
-    if (length < RIDGE * step) length = 0;
   }
+  if (length < RIDGE * step) length = 0;
   for (PetscInt d = 0; d < DIM; d++) n[d] = length > 0 ? n[d] / length : 0;
 }
 

@@ -107,9 +107,9 @@ PetscReal BodyContactAngle(Body solid);
 /* SceneSolidDistance - signed distance (m) of x (m) to the nearest solid or periodic image of a solid, negative inside;
    PETSC_MAX_REAL without solids. nearest (may be NULL): the index of that solid. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
-/* DistanceNormal - the unit normal n from differences of a signed distance around x (m). In the middle of a thin shape,
-   where these vanish, it is that of one of its faces; zero if these vanish beside x, too.
-   which: passed on to the distance. SceneOwnDistance is one of these functions. */
+/* DistanceNormal - the unit normal n from differences of a signed distance around x (m). Zero where these vanish, as
+   far from two surfaces outside; in the middle of a thin shape it is that of one of its faces. which: passed on to the
+   distance. SceneOwnDistance is one of these functions. */
 typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);
 void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
 /* SceneSolidNormal - unit normal n at x (m) out of the nearest solid, from differences of the signed distance; zero
