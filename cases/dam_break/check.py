@@ -41,6 +41,16 @@ def motion(folder):
     return np.array(t), np.array(z), np.array(h), np.array(energy) / energy[0]
 
 
+def curves(folder):
+    """For a report of the run (report.py --reference): the file of the reference; title, unit, times and values of a
+    curve of the run, and those of the reference."""
+    t, z, h, _ = motion(folder)
+    right = reference("collapse")
+    return os.path.join(HERE, "reference_collapse.csv"), [
+        ("front over the width", "1", t, z, right["time"], right["front"]),
+        ("height at the wall over the width", "1", t, 2 * h, right["time"], right["height"])]
+
+
 def collapse(folder):
     """Against Martin and Moyce. How long their barrier held the water is not known: the front is compared at their
     times and, with a lag fitted, for its course."""

@@ -10,6 +10,7 @@ sys.path.insert(0, os.path.join(HERE, "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
+REFERENCE = os.path.join(HERE, "reference.csv")
 TOGETHER = 1.5  # spacings: the largest step within a piece
 SINKING = np.linspace(0.25e-3, 1.5e-3, 26)  # s
 
@@ -61,11 +62,9 @@ def bounce(states, options):
             physics.relative("time on the wall over sqrt(rho R^3/sigma)", taken, 2.6, 0.1)]
 
 
-def check(folder):
+def motion(states):
+    """Times (s), diameter and height of the largest piece (m), its share of the liquid."""
     times, spread, height, share = [], [], [], []
-    states = list(physics.snapshots(folder))
-    if float(physics.options(states[0][1])["-wall_contact_angle"]) > 150:
-        return bounce(states, physics.options(states[0][1]))
     for time, head, f in states:
         x, d0 = physics.places(head, f), float(head["spacing"])
         whole = physics.components(x, TOGETHER * d0) == 0
@@ -74,13 +73,30 @@ def check(folder):
         height.append(x[whole, 2].max() + d0 / 2)
         volume = physics.volumes(head, f)
         share.append(volume[whole].sum() / volume.sum())
-    options = physics.options(head)
+    return times, spread, height, share
+
+
+def curves(folder):
+    """For a report of the run (report.py --reference): the file of the reference; title, unit, times and values of a
+    curve of the run, and those of the reference."""
+    times, spread, height, _ = motion(physics.snapshots(folder))
+    right = physics.table(REFERENCE)
+    return REFERENCE, [("diameter", "m", times, spread, right["time"], right["diameter"]),
+                       ("height", "m", times, height, right["time"], right["height"])]
+
+
+def check(folder):
+    states = list(physics.snapshots(folder))
+    options = physics.options(states[-1][1])
+    if float(options["-wall_contact_angle"]) > 150:
+        return bounce(states, options)
+    times, spread, height, share = motion(states)
     D, WE, RE = numbers(options)
     angle = float(options["-wall_contact_angle"])
     water = "-wall_contact_hysteresis" in options
     results = fits(WE, RE, max(spread) / D, cap(D, angle)[1] / D, water)
     if not water:
-        reference = physics.table(os.path.join(HERE, "reference.csv"))
+        reference = physics.table(REFERENCE)
         there = np.interp(SINKING, reference["time"], reference["height"])
         results = [physics.at_most("height from 0.25 to 1.5 ms beside the reference, largest deviation",
                                    np.abs(np.interp(SINKING, times, height) / there - 1).max(), 0.05),

@@ -10,6 +10,7 @@ import numpy as np  # noqa: E402
 import physics  # noqa: E402
 
 D, U, DEPTH = 4e-3, 3.13, 1.16e-3  # m, m/s, m
+REFERENCE = os.path.join(HERE, "reference.csv")
 FOOT = (1.0, 4.0)  # spacings above the level: the crown's wall, below the rim and its spray
 TIMES = (1.0, 4.5)  # D/U: from the crown's birth to before the mirrors feel it
 
@@ -39,10 +40,18 @@ def growth(tau, radius):
     return np.sqrt(slope), -start / slope
 
 
+def curves(folder):
+    """For a report of the run (report.py --reference): the file of the reference; title, unit, times and values of a
+    curve of the run, and those of the reference."""
+    tau, radius = crown(folder)
+    right = physics.table(REFERENCE)
+    return REFERENCE, [("radius of the crown", "m", tau * D / U, radius * D, right["time"], right["radius"])]
+
+
 def check(folder):
     tau, radius = crown(folder)
     factor, start = growth(tau, radius)
-    reference = physics.table(os.path.join(HERE, "reference.csv"))
+    reference = physics.table(REFERENCE)
     then, there = reference["time"] * U / D, reference["radius"] / D
     chosen = (then >= TIMES[0]) & (then <= TIMES[1])
     right, right_start = growth(then[chosen], there[chosen])

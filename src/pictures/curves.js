@@ -4,8 +4,6 @@
 (function () {
   const data = JSON.parse(document.getElementById('series').textContent);
   const place = document.getElementById('curves'), HEIGHT = 130, plots = [];
-  const FEW = 6; // curves, which are all open
-  const all = data.groups.reduce((sum, group) => sum + group.curves.length, 0);
   const number = value => value == null ? 'none' : +value.toPrecision(4) + '';
   const marked = unit => (plot, values) => values.map(value => number(value) + (unit ? ' ' + unit : ''));
 
@@ -35,8 +33,7 @@
     }, [data.time, curve.values, ...(curve.reference ? [curve.reference] : [])], place);
   }
 
-  /* Groups of curves; the first is open, the others, if all are not few, draw themselves when they are opened, since they have no width
-     before. */
+  /* Groups of curves; those that are folded draw themselves when they are opened, since they have no width before. */
   for (const group of data.groups) {
     const fold = document.createElement('details'), title = document.createElement('summary');
     let drawn = false;
@@ -49,7 +46,7 @@
       for (const curve of group.curves) plots.push(plot(curve, fold));
     };
     fold.addEventListener('toggle', draw);
-    fold.open = group === data.groups[0] || all <= FEW;
+    fold.open = group.open;
     draw();
   }
   window.addEventListener('resize', () => plots.forEach(

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import time
 
+import display
 import report
 import tables
 
@@ -36,21 +37,34 @@ code { background: #f6f6f6; } .run { background: #eef5fb; padding: 0.6rem 1rem; 
 LINK = re.compile(r'(href|src)="([^":#]+)(#[^"]*)?"')
 
 
-def ran(names, limit, jobs):
-    """{case: Run, or the sentence with which the program refused it}."""
+def ran(names, limit, jobs, output):
+    """{case: Run, or the sentence with which the program refused it}; their reports are in the site then."""
     def one(name):
         path = os.path.join("cases", name, SCENES.get(name, "case.opts"))
         try:
-            return isph.run(path, progress=False, wall_clock_limit=limit, checkpoint_interval=0)
+            run = isph.run(path, progress=False, wall_clock_limit=limit, checkpoint_interval=0)
+            reported(run, os.path.join(output, "cases", name), name, reference_of(name))
         except isph.Error as error:
-            return str(error)
+            run = str(error)
+        print(f"{name}: {run}", flush=True)
+        return run
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         return dict(zip(names, pool.map(one, names)))
 
 
+def reference_of(name):
+    """What the curves of a case are drawn beside (report.py --reference); None: nothing."""
+    program, table = (os.path.join("cases", name, file) for file in ("check.py", "reference.csv"))
+    if os.path.exists(program):
+        with open(program, encoding="utf-8") as file:
+            if "\ndef curves(" in file.read():
+                return program
+    return table if os.path.exists(table) else None
+
+
 def reported(run, place, title, reference=None):
     """Draws the report of a run, unless it is there, and puts it and its pictures into a folder of the site.
-    reference: a file of the case to be shown beside it."""
+    reference: of reference_of()."""
     page_of = os.path.join(run.folder, "report.html")
     shown = ["--states", STATES, "--triangles", TRIANGLES, "--scripts", f"../../{SHARED}", "--title", title]
     commands = (("pictures.py", "--dpi", DOTS),
@@ -58,9 +72,10 @@ def reported(run, place, title, reference=None):
     series = os.path.join(run.folder, "series.csv")
     if not os.path.exists(page_of) or os.path.getmtime(page_of) < os.path.getmtime(series):
         for name, *flags in commands:
-            command = [sys.executable, os.path.join(HERE, name), run.folder, *map(str, flags)]
-            if subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode:  # xvfb-run may lose its
-                subprocess.run(command, check=True, stdout=subprocess.DEVNULL)              # display to another program
+            done = subprocess.run([sys.executable, os.path.join(HERE, name), run.folder, *map(str, flags)], check=False,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            if done.returncode:
+                raise tables.RunError(f"{title}: {name}: {done.stderr.strip()}")
     shutil.copy(page_of, os.path.join(place, "report.html"))
     os.makedirs(os.path.join(place, "figures"), exist_ok=True)
     for name, _ in report.PICTURES:
@@ -121,8 +136,9 @@ def main():
     parser.add_argument("--cases", nargs="+", help="folders of cases/; default: all")
     parser.add_argument("--output", default=os.path.join("output", "gallery"))
     parser.add_argument("--limit", type=float, default=60, help="seconds of a run at most (60)")
-    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs at a time")
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="cases at a time")
     arguments = parser.parse_args()
+    display.with_display()
     began, output = time.monotonic(), os.path.abspath(arguments.output)
     os.chdir(ROOT)
     names = arguments.cases or [os.path.basename(os.path.dirname(path)) for path in found(["cases/*/case.opts"])]
@@ -132,12 +148,7 @@ def main():
     os.makedirs(os.path.join(output, SHARED), exist_ok=True)
     for path in report.SCRIPTS:
         shutil.copy(path, os.path.join(output, SHARED))
-    runs = ran(names, arguments.limit, arguments.jobs)
-    for name, run in runs.items():
-        print(f"{name}: {run}", flush=True)
-        if not isinstance(run, str):
-            reference = os.path.join("cases", name, "reference.csv")
-            reported(run, os.path.join(output, "cases", name), name, reference if os.path.exists(reference) else None)
+    runs = ran(names, arguments.limit, arguments.jobs, output)
     for path in found(PAGES):
         name = os.path.basename(os.path.dirname(path))
         own = path == os.path.join("cases", name, "README.md") and name in runs

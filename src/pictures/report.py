@@ -6,12 +6,14 @@
 It has scene, liquids, walls, dimensionless numbers, the liquid through time to turn and play, pictures, curves to point
 at, the energies, the cost of the run, its messages and options, and how to cite. The pictures are those of figures/;
 missing pictures are drawn first. --triangles: most triangles of the surface at a time, in two dimensions most
-particles. --reference: a table with columns of the series' names, which the curves show beside the run's. --scripts: an
-address from which the page takes its scripts (SCRIPTS), so that many pages share them; pictures are linked then.
+particles. --reference: a table with columns of the series' names, which the curves show beside the run's, or the
+check.py of a case, whose curves() finds others in the snapshots. --scripts: an address from which the page takes its
+scripts (SCRIPTS), so that many pages share them; pictures are linked then.
 """
 import argparse
 import base64
 import html
+import importlib.util
 import json
 import math
 import os
@@ -28,7 +30,9 @@ PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and
             ("surface.png", "Moments"), ("section.png", "Sections"), ("top.png", "From above"))
 SCRIPTS = [*VIEWER, *(os.path.join(HERE, name) for name in ("viewer.js", "uplot/uPlot.iife.min.js", "curves.js"))]
 NUMBERS = {"Re": "Reynolds", "We": "Weber", "Fr": "Froude", "Bo": "Bond", "Oh": "Ohnesorge", "Ca": "capillary"}
-GROUPS = ("Measured", "Forces", "Energies")  # of curves, in this order
+BESIDE = "Beside the reference"
+GROUPS = (BESIDE, "Measured", "Forces", "Energies")  # of curves, in this order
+FOLDED, FEW = ("Forces", "Energies"), 6  # groups that are folded unless the curves are few
 LINES = 2000  # most of the series that the curves have
 DIGITS = 6  # of their values
 
@@ -171,34 +175,49 @@ def group_of(row):
     return "Forces" if row["unit"] in ("N", "N/m") else "Measured"
 
 
-def beside(path):
-    """The table of a reference and what its first line says of it; nothing without a path."""
+def beside(path, folder):
+    """The table of a reference, curves of the run that its series has not with those of the reference (title, unit,
+    times, values, times and values there), and what the table's first line says of it. Nothing without a path."""
     if not path:
-        return {}, ""
+        return {}, [], ""
+    others = []
+    if path.endswith(".py"):
+        spec = importlib.util.spec_from_file_location("check", path)
+        case = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(case)
+        path, others = case.curves(folder)
     with open(path, encoding="utf-8") as file:
         first = file.readline()
-    return tables.read_table(path), first[1:].strip() if first.startswith("#") else os.path.basename(path)
+    said = first[1:].strip() if first.startswith("#") else os.path.basename(path)
+    return tables.read_table(path), others, said
 
 
 def curves(series, rows, arguments):
     """The part of the page with the curves; empty if nothing changes."""
-    reference, said = beside(arguments.reference)
+    reference, others, said = beside(arguments.reference, arguments.folder)
     every = -(-len(series["time"]) // LINES)
     factor, unit = columns.prefixed(max(map(abs, series["time"])), "s")
 
     def thinned(values, scale):
         return [float(f"{scale * value:.{DIGITS}g}") if math.isfinite(value) else None for value in values[::every]]
 
+    def drawn(title, unit, values, there=None):
+        scale, unit = columns.prefixed(np.nanmax(np.abs(values)), unit)
+        more = {} if there is None else {"reference": thinned(there, scale)}
+        return {"title": title, "unit": unit or "", "values": thinned(values, scale), **more}
+
+    def then(times, values):
+        return np.interp(series["time"], times, values, np.nan, np.nan)
+
     groups = {title: [] for title in GROUPS}
+    groups[BESIDE] = [drawn(title, unit, then(times, values), then(*there))
+                      for title, unit, times, values, *there in others]
     for name, values in columns.chosen(series, rows).items():
-        words, unit_of = columns.title(rows[name])
-        scale, unit_of = columns.prefixed(np.nanmax(np.abs(values)), unit_of)
-        curve = {"title": words, "unit": unit_of or "", "values": thinned(values, scale)}
-        if name in reference:
-            there = np.interp(series["time"], reference["time"], reference[name], np.nan, np.nan)
-            curve["reference"] = thinned(there, scale)
-        groups[group_of(rows[name])].append(curve)
-    found = [{"title": title, "curves": curves} for title, curves in groups.items() if curves]
+        there = then(reference["time"], reference[name]) if name in reference else None
+        groups[group_of(rows[name])].append(drawn(*columns.title(rows[name]), values, there))
+    few = sum(map(len, groups.values())) <= FEW
+    found = [{"title": title, "curves": curves, "open": few or title not in FOLDED}
+             for title, curves in groups.items() if curves]
     if not found:
         return ""
     values = {"time": thinned(series["time"], factor), "unit": unit, "factor": factor, "groups": found}
@@ -236,7 +255,8 @@ def main():
     parser.add_argument("--states", type=int, default=25, help="number of times of the liquid (25)")
     parser.add_argument("--triangles", type=int, default=20000,
                         help="most triangles of the surface, or particles, at a time (20000)")
-    parser.add_argument("--reference", metavar="FILE", help="a table whose columns are drawn beside those of the run")
+    parser.add_argument("--reference", metavar="FILE",
+                        help="a table whose columns are drawn beside the run's, or check.py of a case")
     parser.add_argument("--title", metavar="TEXT", help="of the page (the name of the folder)")
     parser.add_argument("--scripts", metavar="ADDRESS", help="where the scripts are, if not in the page")
     arguments = parser.parse_args()

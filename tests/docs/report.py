@@ -84,6 +84,18 @@ found = [one for group in part(shared, "series")["groups"] for one in group["cur
 runs.check(len(found) == 1 and found[0]["title"].startswith("kinetic energy") and np.allclose(
     found[0]["reference"], 0.5 * np.array(found[0]["values"]), rtol=1e-4), "curve of a reference", str(found)[:300])
 runs.check("Dashed: Half of it by another program." in shared, "name of a reference", "")
+with open(runs.scratch("check.py"), "w", encoding="utf-8") as program:
+    program.write("def curves(folder):\n    return %r, [('way', 'm', [0, 2e-3], [0.25, 0.75], [1e-3, 5e-3], "
+                  "[0.5, 0.9])]\n" % file.name)
+others = part(report(ball, "--triangles", "2000", "--reference", program.name), "series")["groups"]
+exact = [[1e3 * np.interp(t, at, values, np.nan, np.nan) for t in series["time"]]
+         for at, values in (([0, 2e-3], [0.25, 0.75]), ([1e-3, 5e-3], [0.5, 0.9]))]
+way = others[0]["curves"][0]
+runs.check(others[0]["title"] == "Beside the reference" and others[0]["open"] and (way["title"], way["unit"]) ==
+           ("way", "mm") and np.allclose(np.array([way["values"], way["reference"]], float), exact, equal_nan=True),
+           "curves of a case's program", str(others[0])[:300])
+runs.check(sum("reference" in one for group in others[1:] for one in group["curves"]) == 1,
+           "the columns of its reference, too", str(others)[:300])
 runs.check(len(re.findall('<script src="../scripts/', shared)) == 5 and len(shared) < len(page) - 8e5,
            "scripts of several pages", f"{len(page)} {len(shared)}")
 inside, count = volume(page, 0)
