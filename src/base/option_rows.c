@@ -30,17 +30,19 @@ PetscErrorCode OptionsForget(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The note of a name, and of a choice if that is not NULL. */
-static OptionNote *Find(const char name[], const char choice[])
+/* The note of a name, and of a choice and under a title if those are not NULL. */
+static OptionNote *Find(const char name[], const char choice[], const char title[])
 {
   for (PetscInt k = 0; k < Notes.n; k++)
-    if (!strcmp(Notes.note[k].name, name) && (!choice || !strcmp(Notes.note[k].choice, choice))) return &Notes.note[k];
+    if (!strcmp(Notes.note[k].name, name) && (!choice || !strcmp(Notes.note[k].choice, choice)) &&
+        (!title || !strcmp(Notes.note[k].title, title)))
+      return &Notes.note[k];
   return NULL;
 }
 
 const OptionNote *OptionFind(const char name[])
 {
-  return Find(name, NULL);
+  return Find(name, NULL, NULL);
 }
 
 static void TellNumbers(PetscInt count, const PetscReal value[], char text[OPTION_TEXT_LENGTH])
@@ -107,7 +109,8 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(name, sizeof(name), "-%s%s", prefix ? prefix : "", row->name + 1));
-  note = Find(name, OptionsAll() ? Notes.choice : NULL); /* choices may share a name */
+  note = Find(name, OptionsAll() ? Notes.choice : NULL,
+              OptionsAll() ? title : NULL); /* choices, body and solid share names */
   if (note && !read) PetscFunctionReturn(PETSC_SUCCESS);
   if (!Notes.registered) PetscCall(PetscRegisterFinalize(OptionsForget));
   Notes.registered = PETSC_TRUE;

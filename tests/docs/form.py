@@ -16,11 +16,11 @@ BROWSER = ["chromium", "--headless", "--no-sandbox", "--virtual-time-budget=3000
 KINDS = 10
 
 
-def page(query, more=""):
-    """The page after its script, and 'more', have run."""
+def page(query, more="", was="", becomes=""):
+    """The page after its script, and 'more', have run; with another text in its rows."""
     path = runs.scratch("form.html")
     with open(FORM, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as out:
-        out.write(file.read().replace("</body>", f"<script>{more}</script></body>"))
+        out.write(file.read().replace(was, becomes).replace("</body>", f"<script>{more}</script></body>"))
     return subprocess.run([*BROWSER, f"file://{path}{query}"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                           text=True, check=False, timeout=60).stdout
 
@@ -50,12 +50,31 @@ runs.check('class="bad"' in seen and '<pre id="text"></pre>' in seen, "a_number_
 seen = page("?kind=1")
 runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, (0, inf)' in seen,
            "unit_and_meaning_of_a_row", seen[-300:])
+runs.check('title="Uniform part of the initial velocity' in seen and 'title="Velocity of the solid' not in seen,
+           "a_body_is_no_solid", re.findall('title="[^"]*elocity[^"]*"', seen))
 seen = page("?kind=1", "changed.set('-drop_density', '-1'); show();")
 runs.check('<pre id="text"></pre>' in seen and "must be (0, inf)" in seen, "a_value_out_of_range", seen[-300:])
 seen = page("?kind=1", "changed.set('-time_end', '1e-6'); add('-gauge_forces'); add('-drop_wave_mode');")
 text = html.unescape(re.search(r'<pre id="text">(.*?)</pre>', seen, re.S)[1])
 runs.check("\n-time_end 1e-6\n" in text and "\n-gauge_forces true\n" in text and "\n-drop_wave_mode 2\n" in text,
            "another_option", text)
+# a new number of liquids, another range, another shape: no line of the form but its rows
+DENSITY = '["-<body>_density","real","kg/m3","(0, inf)"'
+HEAT = '["-<body>_heat","real","J/kg","(0, inf)",null,"7","Heat; of fusion","Body, any"],\n'
+seen = page("?kind=1", "", DENSITY, HEAT + DENSITY)
+runs.check(">Heat (J/kg)<" in seen and "\n-drop_heat 7\n" in seen and 'id="field_heat"' in seen,
+           "a_new_number_of_liquids", re.findall("<label>.*?<", seen))
+seen = page("?kind=1", "", DENSITY, DENSITY.replace("inf", "900]").replace("900])", "900]"))
+runs.check('id="field_density" class="bad" title="(0, 900] in SI units"' in seen and '<pre id="text"></pre>' in seen,
+           "range_of_a_field", re.findall('<input id="field_density"[^>]*>', seen))
+seen = page("?kind=1", "", '["box","sphere"', '["torus","box","sphere"')
+runs.check('<option value="torus">' in seen, "a_new_shape", "")
+fields = html.unescape(re.search(r'<form id="fields">(.*?)</form>', seen, re.S)[1])
+said = {words: unit for words, unit in re.findall(r"<label>([^<(]+?)(?: \(([^)]*)\))?<input", fields)}
+runs.check(said == {"diameter of the drop": "um", "speed of the drop": "m/s", "contact angle": "degrees",
+                    "Density": "kg/m3", "Dynamic viscosity": "mPa s", "Surface tension": "mN/m",
+                    "spacings across the drop": "", "Time at which the run ends": "us"}, "units_of_the_fields",
+           str(said))
 with open(runs.scratch("more.opts"), "w", encoding="utf-8") as file:
     file.write(text)
 done = runs.start([file.name, "-steps_max", "2", "-packing_cache", "", "-output_dir", runs.scratch("more")])
