@@ -20,8 +20,8 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   Cloud cloud = StepperCloud(stepper);
 
   PetscFunctionBegin;
-  ((Line *)StepEdgeData(stepper, NAME))->fastest = TensionFastestLine(StepperTension(stepper));
-  if (TensionHasLaw(StepperTension(stepper))) TensionMoveLines(StepperTension(stepper), cloud, dt);
+  ((Line *)StepEdgeData(stepper, NAME))->fastest = LinesFastest(StepperTension(stepper));
+  if (TensionHasLaw(StepperTension(stepper))) LinesMove(StepperTension(stepper), cloud, dt);
   PetscCall(
     LinesResist(StepperTension(stepper), cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -36,7 +36,7 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionBegin;
   if (line->said || TensionHasLaw(StepperTension(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, StepperCloud(stepper)->comm));
-  if (Ca < TENSION_FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (Ca < FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
   line->said = PETSC_TRUE;
   PetscCall(PetscSNPrintf(text, length,
                           "a contact line moves at the capillary number %.2g with the angle of a line at rest, so "

@@ -10,7 +10,6 @@
    supports of W^H from the wall. The resistance must reach as far, or the liquid above rolls over the liquid at rest;
    it decreases linearly from the wall to there. (Acting on the first layer of particles alone it holds a drop up to a
    quarter of the right slope, within one support up to three quarters.) */
-#include "../tension/near_wall.h"
 #include "lines.h"
 
 #define REACH 1.5 /* in supports of W^H, see above; no reference */

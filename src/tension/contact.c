@@ -74,9 +74,8 @@ PetscErrorCode ContactDestroy(Tension tension)
   PetscCall(PetscFree(data->images.parent));
   PetscCall(PetscFree(data->images.origin));
   PetscCall(PetscFree(data->images.volume));
-  PetscCall(PetscFree(data->line.bend));
-  PetscCall(PetscFree(data->line.wanted));
-  PetscCall(PetscFree(data->line.start));
+  if (data->lines) PetscCall(MovingLines.destroy(data->lines));
+  PetscCall(PetscFree(data->lines));
   PetscCall(SortedCellsReset(&data->solid.dummies));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,7 +99,8 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
   GivenAngles all  = {90, 0};
 
   PetscFunctionBegin;
-  PetscCall(LineSetFromOptions(tension, PetscOptionsObject));
+  PetscCall(PetscCalloc(MovingLines.size, &data->lines));
+  PetscCall(MovingLines.read(data->lines, PetscOptionsObject, &data->lines_move));
   PetscCall(OptionsRead(PetscOptionsObject, angles, "TensionSetFromOptions", &all));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
     const PetscInt  d = f / 2, side = f % 2;
@@ -124,7 +124,7 @@ PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsOb
     if (data->contact[d][side].image_tilt != 0) data->tilted = PETSC_TRUE;
   }
   PetscCall(SolidAngles(tension));
-  if (TensionHasLaw(tension) && (data->walls || data->solid.count)) data->tilted = PETSC_TRUE;
+  if (data->lines_move && (data->walls || data->solid.count)) data->tilted = PETSC_TRUE;
   data->images.used = (PetscBool)(data->tilted || data->solid.count > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -171,6 +171,13 @@ PetscBool TensionHasHysteresis(Tension tension)
   const Curvature *data = CurvatureOf(tension);
 
   return (PetscBool)(tension->active && data && data->hysteresis);
+}
+
+PetscBool TensionHasLaw(Tension tension)
+{
+  const Curvature *data = CurvatureOf(tension);
+
+  return (PetscBool)(data && data->lines_move);
 }
 
 PetscBool TensionHasAngles(Tension tension)
@@ -255,7 +262,7 @@ static ContactAngle Moving(Tension tension, const ContactAngle *contact, PetscRe
   ContactAngle    moving;
 
   if (bend == 0) return *contact;
-  angle  = LineAngle(tension, acos(contact->cosine - friction), bend);
+  angle  = MovingLines.angle(CurvatureOf(tension)->lines, acos(contact->cosine - friction), bend);
   moving = FromDegrees(acos(PetscMin(1, PetscMax(-1, PetscCosReal(angle) + friction))) * (180 / PETSC_PI), 0);
   moving.hysteresis_force = contact->hysteresis_force;
   return moving;
@@ -271,8 +278,8 @@ PetscBool ContactOf(Tension tension, const At *at, const WallImages *image, Pets
 
   for (PetscInt d = 0; d < DIM; d++) inward[d] = n[d];
   if (index < 0) return PETSC_FALSE;
-  *contact = Moving(tension, image->contact ? image->contact : &solid->angle[index],
-                    TensionHasLaw(tension) ? data->line.bend[at->a] : 0);
+  *contact =
+    Moving(tension, image->contact ? image->contact : &solid->angle[index], data->bend ? data->bend[at->a] : 0);
   return PETSC_TRUE;
 }
 
@@ -319,16 +326,17 @@ static PetscBool MirrorNormal(const ContactAngle *contact, const PetscReal inwar
 static PetscBool CopyImage(Tension tension, SortedCells *liquid, const ContactAngle *contact,
                            const PetscReal inward[DIM], PetscInt width, PetscInt k, PetscInt to)
 {
-  const PetscInt stride = liquid->stride;
-  PetscReal     *from = liquid->near + k, *copy = liquid->near + to, image[DIM];
+  const PetscInt  stride = liquid->stride;
+  const PetscBool moves  = (PetscBool)(CurvatureOf(tension)->bend != NULL);
+  PetscReal      *from = liquid->near + k, *copy = liquid->near + to, image[DIM];
 
   for (PetscInt w = 0; w < width; w++) copy[w * stride] = from[w * stride];
   if (tension->weighted) copy[WEIGHT_COLUMN * stride] = from[WEIGHT_COLUMN * stride];
   if (width > DIM) {
     const PetscReal    normal[DIM] = {from[3 * stride], from[4 * stride], from[5 * stride]};
-    const ContactAngle moving      = Moving(tension, contact, TensionHasLaw(tension) ? from[LINE_COLUMN * stride] : 0);
+    const ContactAngle moving      = Moving(tension, contact, moves ? from[LINE_COLUMN * stride] : 0);
 
-    if (TensionHasLaw(tension)) copy[LINE_COLUMN * stride] = from[LINE_COLUMN * stride];
+    if (moves) copy[LINE_COLUMN * stride] = from[LINE_COLUMN * stride];
     if (!MirrorNormal(&moving, inward, normal, image)) return PETSC_FALSE;
     for (PetscInt e = 0; e < DIM; e++) copy[(DIM + e) * stride] = image[e];
   }
@@ -538,7 +546,7 @@ PetscErrorCode ContactCollect(Tension tension, Domain domain, const At *at, Pets
   if (faces || solids) columns = COLUMNS(0, width);
   if (tension->weighted) columns |= COLUMNS(WEIGHT_COLUMN, 1);
   if (solids) columns |= COLUMNS(SOLID_COLUMN, 1);
-  if (TensionHasLaw(tension) && width > DIM) columns |= COLUMNS(LINE_COLUMN, 1);
+  if (data->bend && width > DIM) columns |= COLUMNS(LINE_COLUMN, 1);
   PetscCall(SortedCellsCollect(at->liquid, cell, columns, (faces ? 1 << (2 * domain->dim) : 1) * (solids ? 2 : 1),
                                &around->real));
   PetscCall(GrowImages(&data->images, at->liquid->stride));

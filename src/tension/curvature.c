@@ -579,7 +579,7 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const Phase *pha
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
     if (data->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
-    if (TensionHasLaw(tension)) SortedCellsLoad(liquid, LINE_COLUMN, 1, data->line.bend);
+    if (data->bend) SortedCellsLoad(liquid, LINE_COLUMN, 1, data->bend);
     if (liquid->count > data->fit_capacity[l]) {
       data->fit_capacity[l] = liquid->count + liquid->count / 4;
       PetscCall(PetscFree(data->fit[l]));
@@ -659,7 +659,7 @@ PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
   PetscCall(ContactFindSolids(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, phase, normal, scalar, share));
   PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
-  PetscCall(LineFind(tension, cloud, normal));
+  if (data->walls || data->solid.count) PetscCall(MovingLines.find(data->lines, tension, cloud, normal));
   PetscCall(SortNormals(tension, cloud, phase, normal, scalar));
   if (data->tilted) { /* first the depths, to which the places of images belong */
     PetscReal *deeper;

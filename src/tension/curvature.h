@@ -2,13 +2,13 @@
 #ifndef ISPH_CURVATURE_H
 #define ISPH_CURVATURE_H
 
-#include "near_wall.h"
+#include "lines.h"
 #include "tension_impl.h"
 
 #define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
 
 /* More columns of the sorted liquid with fixed contents: depths, if images are moved; the local index, if solids have a
-   contact angle (contact.c); line.bend (moving_line.c). */
+   contact angle (contact.c); bend. */
 #define DEPTH_COLUMN 7
 #define SOLID_COLUMN 9
 #define LINE_COLUMN  10
@@ -30,18 +30,6 @@ typedef struct {
   PetscReal residual_tan;        /* 1/(cot(angle) - image_tilt) */
   PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see lines/hysteresis.c */
 } ContactAngle;
-
-#define LINE_TABLE 1024
-
-/* Contact lines that move, moving_line.c. */
-typedef struct {
-  int        law;               /* of the angle; 0: as at rest */
-  PetscReal  slip;              /* m */
-  PetscReal  x[LINE_TABLE + 1]; /* X over the angle */
-  PetscReal *bend;              /* [n_total] LineBend of FIELD_LINE */
-  PetscReal  fastest;           /* largest capillary number of a line on this rank, at the last TensionApply */
-  PetscReal *start, *wanted;    /* [n_fluid] FIELD_LINE before the step, and what it tends to */
-} MovingLine;
 
 /* The images that one wall, or all solids, add to the collected particles: begin to end - 1. */
 typedef struct {
@@ -81,13 +69,15 @@ typedef struct {
   PetscReal sharpening;
   PetscReal slender; /* for rings: see loose.c */
   /* contact angles */
-  ContactAngle contact[DIM][2]; /* of the walls of the box */
-  SolidContact solid;
-  MovingLine   line;
-  Images       images;
-  PetscBool    tilted;     /* a contact angle is not 90 degrees: see ContactTilt */
-  PetscBool    hysteresis; /* some contact angle has hysteresis: see lines/hysteresis.c */
-  PetscBool    walls;      /* the box has walls */
+  ContactAngle     contact[DIM][2]; /* of the walls of the box */
+  SolidContact     solid;
+  void            *lines;      /* of MovingLines */
+  PetscBool        lines_move; /* the angle depends on the speed ... */
+  const PetscReal *bend;       /* [n_total] ... by MovingLines.angle; NULL: it is that at rest */
+  Images           images;
+  PetscBool        tilted;     /* a contact angle is not 90 degrees: see ContactTilt */
+  PetscBool        hysteresis; /* some contact angle has hysteresis: see lines/hysteresis.c */
+  PetscBool        walls;      /* the box has walls */
   /* tables */
   Kernel    core;                     /* W^H with the smoothing length SHEET_CORE H: sheet.c */
   PetscReal depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
@@ -116,8 +106,6 @@ PetscErrorCode SortNearSurface(Tension tension, Cloud cloud, const Phase *phase)
    -box_<face>_contact_angle, inside an options block; refuses (UserError) a contact angle of a face that is no wall.
    Collective. */
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
-/* LineLaw - the name of the law of the angles of lines that move. Not collective. */
-const char *LineLaw(Tension tension);
 /* ContactView - prints the angles of walls and solids, and warns of angles that look like radians. Collective. */
 PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
 /* ContactJson - writes the angles into the open object. Not collective. */
@@ -142,17 +130,6 @@ void  ContactTilt(Tension tension, const At *at, const Around *around, const Pet
 float ContactVolume(Tension tension, const At *at, PetscInt k);
 PetscBool ContactOf(Tension tension, const At *at, const WallImages *image, PetscReal inward[DIM],
                     ContactAngle *contact);
-
-/* LineSetFromOptions - reads -wall_contact_law and -wall_contact_slip, inside an options block. LineBend - Ca L of a
-   line with a capillary number Ca beside a particle of this size (1). LineAngle - the angle (rad) of a line with this
-   angle at rest (rad) and LineBend. LineStart - finds line.bend, ghosts too. LineFind - from the normals ([n_total][3])
-   out of the liquid, what TensionMoveLines needs, and the fastest line; INT_SURFACE of ghosts must be current. Only
-   LineSetFromOptions and LineStart are collective. */
-PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
-PetscReal      LineBend(Tension tension, PetscReal size, PetscReal capillary);
-PetscReal      LineAngle(Tension tension, PetscReal at_rest, PetscReal bend);
-PetscErrorCode LineStart(Tension tension, Cloud cloud);
-PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[]);
 
 /* SheetShare - the degree to which a particle with phi and |grad phi| (1/m) is in a sheet too thin for normals: 0: not,
    1: wholly. Not collective. */

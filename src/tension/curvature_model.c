@@ -45,9 +45,11 @@ static PetscErrorCode CurvatureSetUp(void *owner)
 
 static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 {
+  Curvature *data = tension->data;
+
   PetscFunctionBegin;
-  if (tension->rings && CurvatureOf(tension)->slender > 0) PetscCall(LooseFind(tension, cloud));
-  PetscCall(LineStart(tension, cloud));
+  if (tension->rings && data->slender > 0) PetscCall(LooseFind(tension, cloud));
+  if (data->lines_move) PetscCall(MovingLines.start(data->lines, cloud, &data->bend));
   PetscCall(tension->surfaces ? tension->surfaces(tension, cloud) : TensionSurface(tension, cloud, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

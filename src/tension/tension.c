@@ -131,7 +131,7 @@ void TensionJson(Tension tension, Json *json)
 {
   JsonObject(json, "tension");
   JsonText(json, "model", tension->active ? tension->type : TENSION_NONE);
-  JsonText(json, "contact_law", LineLaw(tension));
+  JsonText(json, "contact_law", MovingLines.law(TensionLines(tension)));
   ContactJson(tension, json);
   JsonEnd(json);
 }

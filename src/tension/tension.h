@@ -58,15 +58,8 @@ void           TensionSetSurfaces(Tension tension, TensionSurfaces surfaces);
    90 degrees or has hysteresis. Not collective. */
 PetscBool TensionHasHysteresis(Tension tension);
 PetscBool TensionHasAngles(Tension tension);
-/* TENSION_FAST_LINE - capillary number from which the angle of a line differs by ten degrees or more from that at rest;
-   lines with their angle at rest are watched until one is so fast. */
-#define TENSION_FAST_LINE 0.01
-/* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). TensionMoveLines - then
-   the change of FIELD_LINE in dt (s), after TensionApply. TensionFastestLine - the largest capillary number mu U/sigma
-   of a contact line on this rank, at the last TensionApply; 0 unless the liquid meets a wall. Not collective. */
+/* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). Not collective. */
 PetscBool TensionHasLaw(Tension tension);
-void      TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt);
-PetscReal TensionFastestLine(Tension tension);
 /* TensionFaceAngles, TensionSolidAngles - the receding and the advancing contact angle (degrees) of a face or a solid;
    false: it has none. TensionJson - writes the model and all angles into the open object of scene.json. Not
    collective. */

@@ -13,7 +13,7 @@ allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 declare -A public=([neighbors]=cloud.h)
 # Second public headers.
 extra=" base/json.h base/simd.h gauges/columns.h neighbors/pairs.h neighbors/sorted_cells.h stepper/edge.h "
-extra+="packing/samples.h scene/body.h tension/near_wall.h "
+extra+="packing/samples.h scene/body.h tension/lines.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
 

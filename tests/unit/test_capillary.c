@@ -1,5 +1,6 @@
 /* Surface tension: walls stand for liquid in the stress of Cahn and Hilliard; the options of the curvature model act.
    Lengths in spacings. Runs on any number of ranks. */
+#include "../../src/lines/lines.h"
 #include "../../src/tension/curvature.h"
 #include "setup.h"
 #include "check.h"
@@ -89,7 +90,9 @@ static PetscErrorCode TestOption(const char radii[], const char one[], const cha
 /* The angle of a line with this angle at rest beside a particle of size 1. */
 static PetscReal Angle(Tension tension, PetscReal at_rest, PetscReal capillary)
 {
-  return LineAngle(tension, at_rest, LineBend(tension, 1, capillary));
+  void *lines = TensionLines(tension);
+
+  return MovingLines.angle(lines, at_rest, LineBend(lines, 1, 1, capillary));
 }
 
 /* The laws of contact lines that move. Kistler's from its function; Cox's by theta^3 = 9 Ca L, which holds for small
@@ -114,7 +117,8 @@ static PetscErrorCode TestLaws(void)
   CHECK_CLOSE(Angle(s.tension, 0, 0.005), PetscPowReal(0.45, 1. / 3), 0.01, "voinov");
   CHECK_CLOSE(Angle(s.tension, Angle(s.tension, at_rest, Ca), -Ca), at_rest, 1e-5, "there_and_back");
   CHECK_CLOSE(Angle(s.tension, at_rest, 9), 165 * PETSC_PI / 180, 1e-12, "largest_angle");
-  CHECK_CLOSE(LineBend(s.tension, 2, Ca) - LineBend(s.tension, 1, Ca), Ca * PetscLogReal(2), 1e-12, "bend_of_size");
+  CHECK_CLOSE(LineBend(TensionLines(s.tension), 1, 2, Ca) - LineBend(TensionLines(s.tension), 1, 1, Ca),
+              Ca * PetscLogReal(2), 1e-12, "bend_of_size");
   PetscCall(SetupClose(&s));
   PetscCall(PetscSNPrintf(options, sizeof(options), "%s -wall_contact_law cox_voinov -wall_contact_slip 1 ", line));
   PetscCall(SetupPack(options, &s));
@@ -158,14 +162,14 @@ static PetscErrorCode TestNumbers(void)
     PetscCall(SetupPack(options, &s));
     PetscCall(SetupMoments(&s));
     PetscCall(TensionApply(s.tension, s.cloud));
-    TensionMoveLines(s.tension, s.cloud, 1e9);
+    LinesMove(s.tension, s.cloud, 1e9);
     CHECK_CLOSE(Number(&s, PETSC_TRUE), 0.6, 1e-9, "line_advances");
     CHECK_CLOSE(Number(&s, PETSC_FALSE), -0.6, 1e-9, "line_recedes");
     for (PetscInt a = 0; a < s.cloud->n_fluid && first < 0; a++)
       if (s.cloud->field[FIELD_LINE][a] != 0) first = a;
     if (first >= 0) s.cloud->field[FIELD_LINE][first] = 0;
     PetscCall(TensionApply(s.tension, s.cloud));
-    TensionMoveLines(s.tension, s.cloud, 0);
+    LinesMove(s.tension, s.cloud, 0);
     CHECK(first < 0 || PetscAbsReal(PetscAbsReal(s.cloud->field[FIELD_LINE][first]) - 0.6) < 1e-9, "newcomer");
     PetscCall(SetupClose(&s));
   }

@@ -1,6 +1,13 @@
 /* The search for walls near a contact line. */
 #include "curvature.h"
 
+void *TensionLines(Tension tension)
+{
+  const Curvature *data = CurvatureOf(tension);
+
+  return data ? data->lines : NULL;
+}
+
 PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR])
 {
   const Curvature *data   = tension->data;

@@ -17,7 +17,7 @@
    and i of the wall, in the mean over surface particles near the wall and around. It follows with the period
    of a capillary wave one spacing long, sqrt(rho d0^3/sigma): otherwise angle and speed of viscous liquid would
    oscillate from step to step. A particle that arrives at the wall takes the capillary number of its neighbours. */
-#include "curvature.h"
+#include "lines.h"
 
 #define REACH 0.75 /* supports of W^H, distance from a wall to which particles tell the line's speed */
 #define ENDS  0.5  /* least part along the wall of the normal of a surface that ends there */
@@ -27,8 +27,19 @@
 #define SLIP       1e-9                   /* m, default: molecular; ln(0.1 mm/1 nm) = 11.5, experiments have 9 to 13 */
 #define BISECTIONS 60
 
+#define TABLE 1024
+
 typedef enum { LAW_STATIC, LAW_COX_VOINOV, LAW_KISTLER } Law;
 static const char *const Laws[] = {"static", "cox_voinov", "kistler", NULL};
+
+typedef struct {
+  int        law;            /* of the angle */
+  PetscReal  slip;           /* m */
+  PetscReal  x[TABLE + 1];   /* X over the angle */
+  PetscReal *bend;           /* [n_total] LineBend of FIELD_LINE */
+  PetscReal  fastest;        /* see LinesFastest */
+  PetscReal *start, *wanted; /* [n_fluid] FIELD_LINE before the step, and what it tends to */
+} Lines;
 
 /* The inverse of Hoffman's function. */
 static PetscReal Hoffman(PetscReal angle)
@@ -55,63 +66,54 @@ static PetscReal CoxSlope(PetscReal x)
 
 static const OptionRow law[] = {
   {"-wall_contact_law", "Angle of a contact line that moves, on walls and solids: as at rest, or by its speed", NULL,
-   NULL, ROW_WORD, offsetof(MovingLine, law), .words = Laws},
+   NULL, ROW_WORD, offsetof(Lines, law), .words = Laws},
   {.name = NULL},
 };
 static const OptionRow slip[] = {
   {"-wall_contact_slip", "Slip length of -wall_contact_law cox_voinov: 1e-9 is molecular; a rough wall has more", "m",
-   "(0, inf)", ROW_REAL, offsetof(MovingLine, slip)},
+   "(0, inf)", ROW_REAL, offsetof(Lines, slip)},
   {.name = NULL},
 };
 
-PetscErrorCode LineSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
+static PetscErrorCode Read(void *data, OptionItems PetscOptionsObject, PetscBool *move)
 {
-  MovingLine     *line = &CurvatureOf(tension)->line;
-  const PetscReal d    = ANGLE_MOST / LINE_TABLE;
+  Lines          *line = (Lines *)data;
+  const PetscReal d    = ANGLE_MOST / TABLE;
 
   PetscFunctionBegin;
-  line->law  = LAW_STATIC;
   line->slip = SLIP;
   PetscCall(OptionsRead(PetscOptionsObject, law, "TensionSetFromOptions", line));
   PetscCall(OptionsReadIf(PetscOptionsObject, (PetscBool)(line->law == LAW_COX_VOINOV), "-wall_contact_law cox_voinov",
                           slip, "TensionSetFromOptions", line));
-  line->x[0] = 0;
-  for (PetscInt k = 1; k <= LINE_TABLE; k++)
+  for (PetscInt k = 1; k <= TABLE; k++)
     line->x[k] = line->law == LAW_KISTLER
                    ? Hoffman(k * d)
                    : line->x[k - 1] + d / 6 * (CoxSlope((k - 1) * d) + 4 * CoxSlope((k - 0.5) * d) + CoxSlope(k * d));
+  *move = (PetscBool)(line->law != LAW_STATIC);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const char *LineLaw(Tension tension)
+static const char *LawOf(const void *data)
 {
-  const Curvature *data = CurvatureOf(tension);
-
-  return Laws[data ? data->line.law : LAW_STATIC];
+  return Laws[data ? ((const Lines *)data)->law : LAW_STATIC];
 }
 
-PetscBool TensionHasLaw(Tension tension)
+PetscReal LineBend(const void *data, PetscReal spacing, PetscReal size, PetscReal capillary)
 {
-  const Curvature *data = CurvatureOf(tension);
-
-  return (PetscBool)(data && data->line.law != LAW_STATIC);
-}
-
-PetscReal LineBend(Tension tension, PetscReal size, PetscReal capillary)
-{
-  const MovingLine *line = &CurvatureOf(tension)->line;
+  const Lines *line = (const Lines *)data;
 
   if (capillary == 0 || line->law == LAW_KISTLER) return capillary;
-  return capillary * PetscMax(0, PetscLogReal(size * tension->spacing / line->slip));
+  return capillary * PetscMax(0, PetscLogReal(size * spacing / line->slip));
 }
 
-PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal bend)
+/* The angle (rad) of a line with this angle at rest (rad) and LineBend. */
+static PetscReal Angle(const void *data, PetscReal at_rest, PetscReal bend)
 {
-  const MovingLine *line  = &CurvatureOf(tension)->line;
-  const PetscReal   place = PetscMin(at_rest / ANGLE_MOST, 1) * LINE_TABLE;
-  const PetscInt    k     = PetscMin((PetscInt)place, LINE_TABLE - 1);
-  const PetscReal   x     = line->x[k] + (place - k) * (line->x[k + 1] - line->x[k]) + bend;
-  PetscInt          low = 0, high = LINE_TABLE;
+  const Lines    *line  = (const Lines *)data;
+  const PetscReal place = PetscMin(at_rest / ANGLE_MOST, 1) * TABLE;
+  const PetscInt  k     = PetscMin((PetscInt)place, TABLE - 1);
+  const PetscReal x     = line->x[k] + (place - k) * (line->x[k + 1] - line->x[k]) + bend;
+  PetscInt        low = 0, high = TABLE;
 
   while (high - low > 1) {
     const PetscInt middle = (low + high) / 2;
@@ -123,19 +125,19 @@ PetscReal LineAngle(Tension tension, PetscReal at_rest, PetscReal bend)
   }
   return PetscMax(PetscMin(ANGLE_LEAST, at_rest),
                   PetscMin(PetscMax(ANGLE_MOST, at_rest),
-                           (low + (x - line->x[low]) / (line->x[high] - line->x[low])) * (ANGLE_MOST / LINE_TABLE)));
+                           (low + (x - line->x[low]) / (line->x[high] - line->x[low])) * (ANGLE_MOST / TABLE)));
 }
 
-PetscErrorCode LineStart(Tension tension, Cloud cloud)
+static PetscErrorCode Start(void *data, Cloud cloud, const PetscReal **bend)
 {
-  MovingLine *line = &CurvatureOf(tension)->line;
+  Lines *line = (Lines *)data;
 
   PetscFunctionBegin;
-  if (line->law == LAW_STATIC) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudUpdate(cloud, FIELD_LINE));
   PetscCall(PetscRealloc(PetscMax(1, cloud->n_total) * sizeof(PetscReal), &line->bend));
   for (PetscInt a = 0; a < cloud->n_total; a++)
-    line->bend[a] = LineBend(tension, cloud->size[a], cloud->field[FIELD_LINE][a]);
+    line->bend[a] = LineBend(line, cloud->domain->spacing, cloud->size[a], cloud->field[FIELD_LINE][a]);
+  *bend = line->bend;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,10 +167,9 @@ static PetscReal ViscosityOf(Cloud cloud, PetscInt a)
 static void Tell(Tension tension, Cloud cloud, PetscInt a, const PetscReal n[DIM], PetscReal *capillary,
                  PetscReal *weight)
 {
-  const PetscReal *v    = cloud->field[FIELD_VELOCITY] + DIM * a,
-                  reach = REACH * KernelSupport(tension->kernel) * cloud->size[a];
-  PetscReal flat[DIM], into, length, sigma, speed = 0;
-  LineWall  wall;
+  const PetscReal *v = cloud->field[FIELD_VELOCITY] + DIM * a, reach = REACH * TensionReach(tension) * cloud->size[a];
+  PetscReal        flat[DIM], into, length, sigma, speed = 0;
+  LineWall         wall;
 
   *weight = *capillary = 0;
   if (cloud->integer[INT_LAYER][a] || cloud->integer[INT_SURFACE][a] != 1 || Norm(n) == 0) return;
@@ -211,21 +212,20 @@ static void MeanAround(Tension tension, Cloud cloud, PetscInt a, const PetscReal
   *stored = w_old > 0 ? old / w_old : 0;
 }
 
-PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
+static PetscErrorCode Find(void *data, Tension tension, Cloud cloud, const PetscReal normal[])
 {
-  Curvature       *data   = tension->data;
-  MovingLine      *line   = &data->line;
+  Lines           *line   = (Lines *)data;
+  const PetscBool  moves  = (PetscBool)(line->law != LAW_STATIC);
   const PetscReal *stored = cloud->field[FIELD_LINE];
   PetscReal       *told, *weight;
 
   PetscFunctionBegin;
-  if ((!data->walls && !data->solid.count) || (!TensionHasLaw(tension) && line->fastest >= TENSION_FAST_LINE))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!moves && line->fastest >= FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
   line->fastest = 0;
   PetscCall(CloudGetWork(cloud, 1, &told));
   PetscCall(CloudGetWork(cloud, 1, &weight));
   for (PetscInt a = 0; a < cloud->n_total; a++) Tell(tension, cloud, a, normal + DIM * a, &told[a], &weight[a]);
-  if (TensionHasLaw(tension)) {
+  if (moves) {
     PetscCall(PetscRealloc(PetscMax(1, cloud->n_fluid) * sizeof(PetscReal), &line->wanted));
     PetscCall(PetscRealloc(PetscMax(1, cloud->n_fluid) * sizeof(PetscReal), &line->start));
   }
@@ -233,11 +233,10 @@ PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
     PetscReal mean = 0, around = 0;
     LineWall  wall;
 
-    if (Norm(normal + DIM * a) > 0 &&
-        FindWall(tension, cloud, a, KernelSupport(tension->kernel) * cloud->size[a], &wall))
+    if (Norm(normal + DIM * a) > 0 && FindWall(tension, cloud, a, TensionReach(tension) * cloud->size[a], &wall))
       MeanAround(tension, cloud, a, told, weight, &mean, &around);
     line->fastest = PetscMax(line->fastest, PetscAbsReal(mean));
-    if (!TensionHasLaw(tension)) continue;
+    if (!moves) continue;
     line->wanted[a] = mean;
     line->start[a]  = mean == 0 ? 0 : stored[a] != 0 ? stored[a] : around;
   }
@@ -246,22 +245,35 @@ PetscErrorCode LineFind(Tension tension, Cloud cloud, const PetscReal normal[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal TensionFastestLine(Tension tension)
+static PetscErrorCode Destroy(void *data)
 {
-  const Curvature *data = CurvatureOf(tension);
+  Lines *line = (Lines *)data;
 
-  return data ? data->line.fastest : 0;
+  PetscFunctionBegin;
+  PetscCall(PetscFree(line->bend));
+  PetscCall(PetscFree(line->wanted));
+  PetscCall(PetscFree(line->start));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void TensionMoveLines(Tension tension, Cloud cloud, PetscReal dt)
+PetscReal LinesFastest(Tension tension)
 {
-  const MovingLine *line = &CurvatureOf(tension)->line;
+  const Lines *line = (const Lines *)TensionLines(tension);
+
+  return line ? line->fastest : 0;
+}
+
+void LinesMove(Tension tension, Cloud cloud, PetscReal dt)
+{
+  const Lines *line = (const Lines *)TensionLines(tension);
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Material *m     = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));
-    const PetscReal s     = cloud->size[a] * tension->spacing,
+    const PetscReal s     = cloud->size[a] * cloud->domain->spacing,
                     share = PetscMin(1, dt * PetscSqrtReal(m->tension / (m->density * s * s * s)));
 
     cloud->field[FIELD_LINE][a] = line->start[a] + share * (line->wanted[a] - line->start[a]);
   }
 }
+
+const LineOps MovingLines = {sizeof(Lines), Read, LawOf, Start, Angle, Find, Destroy};
