@@ -47,6 +47,7 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
 
 #define HYSTERESIS "a contact angle with hysteresis"
 #define LAW        "-wall_contact_law"
+#define WET        "-<solid>_contact_angle"
 
 static PetscBool HasHysteresis(Scene scene, Tension tension)
 {
@@ -58,10 +59,22 @@ static PetscBool HasLaw(Scene scene, Tension tension)
   return (PetscBool)(tension && TensionHasLaw(tension));
 }
 
-static const Feature features[] = {{HYSTERESIS, HasHysteresis}, {LAW, HasLaw}, {.name = NULL}};
+static PetscBool HasAngles(Scene scene, Tension tension)
+{
+  return (PetscBool)(tension && TensionHasAngles(tension));
+}
+
+static PetscBool SolidsWet(Scene scene, Tension tension)
+{
+  return (PetscBool)(scene && TensionSolidsWet(scene));
+}
+
+static const Feature features[] = {
+  {HYSTERESIS, HasHysteresis}, {LAW, HasLaw}, {FEATURE_ANGLES, HasAngles}, {WET, SolidsWet}, {.name = NULL}};
 static const Refusal refusals[] = {
   {HYSTERESIS, NEEDS, FEATURE_CONSISTENT, ", the default"},
   {LAW, NEEDS, FEATURE_CONSISTENT, ", the default"},
+  {WET, NEEDS, "-tension_type " TENSION_CURVATURE, ", the default"},
   {.one = NULL},
 };
 

@@ -29,6 +29,7 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscCall(PetscFree((*body)->velocity_data));
   PetscCall(PetscFree((*body)->viscosity_data));
   PetscCall(PetscFree((*body)->type_data));
+  PetscCall(PetscFree((*body)->wetting));
   PetscCall(SolidMotion.destroy(*body));
   PetscCall(PetscFree(*body));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -69,16 +70,6 @@ const char *BodyName(Body body)
 const Material *BodyMaterial(Body body)
 {
   return &body->material;
-}
-
-PetscReal BodyContactAngle(Body solid)
-{
-  return solid->contact_angle;
-}
-
-PetscReal BodyContactHysteresis(Body solid)
-{
-  return solid->contact_hysteresis;
 }
 
 PetscReal BodyDistance(Body body, const PetscReal x[DIM])

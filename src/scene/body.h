@@ -81,6 +81,13 @@ typedef struct {
   void (*moments)(Body solid, Moments *moments);
 } MotionOps;
 
+/* How liquid wets solids (tension/contact.c). */
+typedef struct {
+  size_t           size; /* of the data, bytes */
+  const OptionRow *rows;
+  PetscErrorCode (*check)(Body solid); /* refuses contradictions */
+} WettingOps;
+
 struct _p_Body {
   Domain              domain; /* borrowed */
   char                name[SCENE_NAME_LENGTH];
@@ -99,13 +106,12 @@ struct _p_Body {
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
   char                type[SCENE_NAME_LENGTH];
-  const BodyTypeOps  *kind;               /* NULL of a solid */
-  void               *type_data;          /* as shape_data */
-  PetscReal           gas_pressure;       /* of a hole, Pa, at the start; 0: not given */
-  PetscReal           contact_angle;      /* of a solid, degrees; 0: none */
-  PetscReal           contact_hysteresis; /* of a solid, degrees */
-  struct _p_Motion   *motion;             /* of a solid that can move; else NULL */
-  struct _p_Free     *free;               /* of a free body; else NULL */
+  const BodyTypeOps  *kind;         /* NULL of a solid */
+  void               *type_data;    /* as shape_data */
+  PetscReal           gas_pressure; /* of a hole, Pa, at the start; 0: not given */
+  void               *wetting;      /* of a solid, as shape_data */
+  struct _p_Motion   *motion;       /* of a solid that can move; else NULL */
+  struct _p_Free     *free;         /* of a free body; else NULL */
 };
 
 /* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */

@@ -62,17 +62,6 @@ static const OptionRow material[] = {
   {.name = NULL},
 };
 
-static const OptionRow contact[] = {
-  {"-contact_angle",
-   "Contact angle of the free surface on the solid, in the liquid; without one the liquid does not wet it", "degrees",
-   "(0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_angle), .fallback = "none"},
-  {"-contact_hysteresis",
-   "Advancing minus receding contact angle, half of it on either side of -contact_angle; between them contact lines do "
-   "not move",
-   "degrees", "[0, 180)", ROW_REAL, offsetof(struct _p_Body, contact_hysteresis)},
-  {.name = NULL},
-};
-
 static const OptionRow fluid[] = {
   {"-viscosity_model", "How the viscosity depends on the shear rate", NULL, NULL, ROW_CHOICE,
    offsetof(struct _p_Body, viscosity_type), .choices = Viscosities},
@@ -170,26 +159,17 @@ PetscErrorCode BodySetFromOptions(Body body)
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
     PetscCall(OptionsNote(body->prefix, "a solid", SolidMotion.rows[k]));
-  PetscCall(OptionsNote(body->prefix, "a solid", contact));
+  PetscCall(OptionsNote(body->prefix, "a solid", SolidWetting.rows));
   PetscCall(ReadHoles(body, &holes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadContactAngle(Body body, OptionItems PetscOptionsObject)
+static PetscErrorCode ReadWetting(Body body, OptionItems PetscOptionsObject)
 {
   PetscFunctionBegin;
-  PetscCall(Read(body, PetscOptionsObject, contact, body));
-  PetscCheckUser(body->contact_hysteresis == 0 || body->contact_angle > 0, body->domain->comm,
-                 "-%scontact_hysteresis needs -%scontact_angle", body->prefix, body->prefix);
-  PetscCheckUser(body->contact_hysteresis == 0 ||
-                   0.5 * body->contact_hysteresis < PetscMin(body->contact_angle, 180 - body->contact_angle),
-                 body->domain->comm,
-                 "-%scontact_hysteresis %g: the contact angle, %g, plus and minus half of it must lie in (0, 180)",
-                 body->prefix, (double)body->contact_hysteresis, (double)body->contact_angle);
-  PetscCheckUser(body->contact_angle == 0 || !body->free, body->domain->comm,
-                 "-%scontact_angle cannot be used with -%smass: the surface tension's force on a free body is not "
-                 "computed",
-                 body->prefix, body->prefix);
+  PetscCall(PetscCalloc(SolidWetting.size, &body->wetting));
+  PetscCall(Read(body, PetscOptionsObject, SolidWetting.rows, body->wetting));
+  PetscCall(SolidWetting.check(body));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -209,7 +189,7 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));
   PetscCall(SolidMotion.setup(body));
-  PetscCall(ReadContactAngle(body, PetscOptionsObject));
+  PetscCall(ReadWetting(body, PetscOptionsObject));
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_bodies); k++)
     PetscCall(OptionsNote(body->prefix, "a body of liquid", of_bodies[k]));
@@ -258,7 +238,7 @@ PetscErrorCode SceneHelp(MPI_Comm comm)
   PetscCall(Read(body, PetscOptionsObject, aired, body));
   PetscOptionsEnd();
   PetscOptionsBegin(comm, body->prefix, "Solid, any", "Scene");
-  PetscCall(ReadContactAngle(body, PetscOptionsObject));
+  PetscCall(ReadWetting(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscCall(BodyDestroy(&body));
   PetscCall(DomainDestroy(&domain));

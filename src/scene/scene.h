@@ -100,10 +100,6 @@ PetscBool BodyViscosityVaries(Body body);
 PetscBool SceneViscosityVaries(Scene scene);
 PetscInt  SceneSolidCount(Scene scene);            /* number of solids */
 Body      SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCount; a solid has no material */
-/* BodyContactAngle - -<s>_contact_angle of a solid (degrees); 0: none. BodyContactHysteresis - its
-   -<s>_contact_hysteresis (degrees). */
-PetscReal BodyContactHysteresis(Body solid);
-PetscReal BodyContactAngle(Body solid);
 /* SceneSolidDistance - signed distance (m) of x (m) to the nearest solid or periodic image of a solid, negative inside;
    PETSC_MAX_REAL without solids. nearest (may be NULL): the index of that solid. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);

@@ -25,13 +25,14 @@ struct _p_Scene {
   PetscReal     shake[DIM];                         /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
 };
 
-/* The registries: shapes (one file each; shapes.c lists them), velocity fields, viscosity models, types of bodies; and
-   how solids move. The
-   owner of a choice is the body. A type's options are read last, since a type may use shape and velocity. */
+/* The registries: shapes (one file each; shapes.c lists them), velocity fields, viscosity models, types of bodies;
+   how solids move, and how they are wetted. The owner of a choice is the body. A type's options are read last, since a
+   type may use shape and velocity. */
 extern const ShapeOps ShapeBox, ShapeSphere, ShapeStl, ShapeCylinder, ShapeEllipsoid, ShapeHalfSpace, ShapeThread,
   ShapeWave;
 extern const BodyTypeOps   BodyTypeEmitter;
 extern const MotionOps     SolidMotion;
+extern const WettingOps    SolidWetting;
 extern const Choice *const Shapes[], *const Velocities[], *const Viscosities[], *const BodyTypes[];
 
 /* MotionData - the data of table k of the options of motions; NULL: the solid has none. Not collective. */

@@ -27,7 +27,7 @@
 /* What is at a place: of the liquid or the solid there. Equal structs are equal places. */
 typedef struct {
   PetscReal kind; /* 0: air, 1: liquid, 2: solid */
-  PetscReal density, tension, viscosity[RATES], angle, hysteresis, spacing, liquid;
+  PetscReal density, tension, viscosity[RATES], angle[2], spacing, liquid;
   PetscReal emits; /* 0: no emitter; else 1 and the fillings so far */
 } Matter;
 typedef struct {
@@ -72,7 +72,8 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
   if (wall < 0) {
     const Body body = SceneSolid(scene, solid);
 
-    place->matter = (Matter){.kind = 2, .angle = BodyContactAngle(body), .hysteresis = BodyContactHysteresis(body)};
+    place->matter = (Matter){.kind = 2};
+    (void)TensionSolidAngles(sim->tension, solid, place->matter.angle);
     BodyMotion(body, time, x, place->velocity);
   } else
     for (PetscInt b = 0; b < SceneCount(scene) && place->matter.kind == 0; b++) {

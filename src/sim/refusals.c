@@ -21,13 +21,6 @@ static PetscBool Fixed(Sim sim)
   return (PetscBool)(sim->domain->graded && !sim->domain->adaptive);
 }
 
-static PetscBool SolidsHaveAngles(Sim sim)
-{
-  for (PetscInt b = 0; sim->scene && b < SceneSolidCount(sim->scene); b++)
-    if (BodyContactAngle(SceneSolid(sim->scene, b)) > 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 static PetscBool Densities(Sim sim)
 {
   return (PetscBool)(sim->scene && SceneCount(sim->scene) > 0 && !SceneOneDensity(sim->scene));
@@ -38,25 +31,17 @@ static PetscBool ViscosityVaries(Sim sim)
   return (PetscBool)(sim->scene && SceneViscosityVaries(sim->scene));
 }
 
-static PetscBool HasAngles(Sim sim)
-{
-  return (PetscBool)(sim->tension && TensionHasAngles(sim->tension));
-}
-
 #define RINGS      "-dimension axisymmetric"
 #define GRADED     "-spacing_coarse"
 #define FIXED      FEATURE_FIXED
-#define WET        "-<solid>_contact_angle"
 #define DENSITIES  FEATURE_DENSITIES
 #define THINNING   "a viscosity that depends on the shear rate"
-#define ANGLES     FEATURE_ANGLES
 #define FRAME      FEATURE_FRAME
 #define POISSON    FEATURE_POISSON
 #define CONSISTENT FEATURE_CONSISTENT
 #define PRINTED    "-scheme " SCHEME_DENSITY_INVARIANT
 #define SOUND      "-scheme " SCHEME_WEAKLY_COMPRESSIBLE
 #define PHASES     "-tension_type " TENSION_CAHN_HILLIARD
-#define CURVATURE  "-tension_type " TENSION_CURVATURE
 #define DENSITY    "-pressure_source " SOURCE_DENSITY
 #define CONSERVED  "-pressure_gradient " GRADIENT_CONSERVED
 
@@ -64,9 +49,7 @@ static const struct {
   const char *name;
   PetscBool (*on)(Sim sim);
 } Features[] = {
-  {RINGS, Rings},          {GRADED, Graded},       {FIXED, Fixed},
-  {WET, SolidsHaveAngles}, {DENSITIES, Densities}, {THINNING, ViscosityVaries},
-  {ANGLES, HasAngles},
+  {RINGS, Rings}, {GRADED, Graded}, {FIXED, Fixed}, {DENSITIES, Densities}, {THINNING, ViscosityVaries},
 };
 
 static const char *const Relations[] = {"cannot be used with", "needs"};
@@ -99,7 +82,6 @@ static const Refusal Refusals[] = {
   {POISSON, NOT_WITH, "-solids", "; use -packing_type lattice"},
   {POISSON, NOT_WITH, "-bodies_overlap", "; use -packing_type lattice"},
   {FRAME, NEEDS, CONSISTENT, ", the default"},
-  {WET, NEEDS, CURVATURE, ", the default"},
   {.one = NULL},
 };
 

@@ -16,6 +16,7 @@
 
    An image may be nearer than its particle. Which particles beyond the support are known depends on cells and ranks, so
    their images are left out. */
+#include "../scene/body.h"
 #include "curvature.h"
 
 /* A surface ends at a wall if the part of its normal along the wall is at least this times the sine of the contact
@@ -45,6 +46,54 @@ static ContactAngle FromDegrees(PetscReal degrees, PetscReal hysteresis)
   return contact;
 }
 
+/* Of a solid, or of all walls; degrees. */
+typedef struct {
+  PetscReal angle, hysteresis;
+} Wetting;
+
+static const OptionRow of_solids[] = {
+  {"-contact_angle",
+   "Contact angle of the free surface on the solid, in the liquid; without one the liquid does not wet it", "degrees",
+   "(0, 180)", ROW_REAL, offsetof(Wetting, angle), .fallback = "none"},
+  {"-contact_hysteresis",
+   "Advancing minus receding contact angle, half of it on either side of -contact_angle; between them contact lines do "
+   "not move",
+   "degrees", "[0, 180)", ROW_REAL, offsetof(Wetting, hysteresis)},
+  {.name = NULL},
+};
+
+static PetscErrorCode CheckSolid(Body body)
+{
+  const Wetting  *given = (const Wetting *)body->wetting;
+  const PetscReal half  = 0.5 * given->hysteresis;
+
+  PetscFunctionBegin;
+  PetscCheckUser(half == 0 || given->angle > 0, body->domain->comm, "-%scontact_hysteresis needs -%scontact_angle",
+                 body->prefix, body->prefix);
+  PetscCheckUser(half == 0 || half < PetscMin(given->angle, 180 - given->angle), body->domain->comm,
+                 "-%scontact_hysteresis %g: the contact angle, %g, plus and minus half of it must lie in (0, 180)",
+                 body->prefix, (double)given->hysteresis, (double)given->angle);
+  PetscCheckUser(given->angle == 0 || !body->free, body->domain->comm,
+                 "-%scontact_angle cannot be used with -%smass: the surface tension's force on a free body is not "
+                 "computed",
+                 body->prefix, body->prefix);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const WettingOps SolidWetting = {sizeof(Wetting), of_solids, CheckSolid};
+
+static const Wetting *WettingOf(Scene scene, PetscInt solid)
+{
+  return (const Wetting *)SceneSolid(scene, solid)->wetting;
+}
+
+PetscBool TensionSolidsWet(Scene scene)
+{
+  for (PetscInt s = 0; s < SceneSolidCount(scene); s++)
+    if (WettingOf(scene, s)->angle > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Takes the angles of the scene's solids. */
 static PetscErrorCode SolidAngles(Tension tension)
 {
@@ -52,13 +101,12 @@ static PetscErrorCode SolidAngles(Tension tension)
   SolidContact *solid = &data->solid;
 
   PetscFunctionBegin;
-  for (PetscInt s = 0; s < SceneSolidCount(tension->scene); s++)
-    if (BodyContactAngle(SceneSolid(tension->scene, s)) > 0) solid->count = SceneSolidCount(tension->scene);
+  solid->count = TensionSolidsWet(tension->scene) ? SceneSolidCount(tension->scene) : 0;
   PetscCall(PetscCalloc1(solid->count, &solid->angle));
   for (PetscInt s = 0; s < solid->count; s++) {
-    const Body body = SceneSolid(tension->scene, s);
+    const Wetting *given = WettingOf(tension->scene, s);
 
-    solid->angle[s] = FromDegrees(BodyContactAngle(body), BodyContactHysteresis(body));
+    solid->angle[s] = FromDegrees(given->angle, given->hysteresis);
     if (solid->angle[s].hysteresis_force > 0) data->hysteresis = PETSC_TRUE;
     if (solid->angle[s].image_tilt != 0) data->tilted = PETSC_TRUE;
   }
@@ -80,23 +128,19 @@ PetscErrorCode ContactDestroy(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef struct {
-  PetscReal angle, hysteresis; /* degrees */
-} GivenAngles;
-
 static const OptionRow angles[] = {
   {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box", "degrees",
-   "(0, 180)", ROW_REAL, offsetof(GivenAngles, angle)},
+   "(0, 180)", ROW_REAL, offsetof(Wetting, angle)},
   {"-wall_contact_hysteresis",
    "Advancing angle less receding angle, around the contact angle; between them contact lines do not move", "degrees",
-   "[0, 180)", ROW_REAL, offsetof(GivenAngles, hysteresis)},
+   "[0, 180)", ROW_REAL, offsetof(Wetting, hysteresis)},
   {.name = NULL},
 };
 
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
-  Curvature  *data = tension->data;
-  GivenAngles all  = {90, 0};
+  Curvature *data = tension->data;
+  Wetting    all  = {90, 0};
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc(MovingLines.size, &data->lines));

@@ -60,6 +60,8 @@ PetscBool TensionHasHysteresis(Tension tension);
 PetscBool TensionHasAngles(Tension tension);
 /* TensionHasLaw - whether the angle of a contact line depends on its speed (-wall_contact_law). Not collective. */
 PetscBool TensionHasLaw(Tension tension);
+/* TensionSolidsWet - whether a solid has a contact angle. Not collective. */
+PetscBool TensionSolidsWet(Scene scene);
 /* TensionFaceAngles, TensionSolidAngles - the receding and the advancing contact angle (degrees) of a face or a solid;
    false: it has none. TensionJson - writes the model and all angles into the open object of scene.json. Not
    collective. */
