@@ -94,7 +94,7 @@ static void EvaluateNeighbors(Tension tension, const At *at, const Around *aroun
     if (wants_f) near->F[k] *= v;
   }
   for (PetscInt k = n - 1; k >= 0 && near->place[k] >= around->real && data->images.used; k--) {
-    const float image = ContactVolume(tension, at, near->place[k]);
+    const float image = ImagesVolume(tension, at, near->place[k]);
 
     near->W[k] *= image;
     if (wants_f) near->F[k] *= image;
@@ -157,7 +157,7 @@ static void SumMirrored(Tension tension, const At *at, const Around *around, Pet
   *phi = g[0] = g[1] = g[2] = 0;
   SumPhase(tension, at, around, 0, around->real, phi, g);
   for (PetscInt d = 0; d < DIM; d++) outward[d] = -g[d];
-  ContactTilt(tension, at, around, outward, full);
+  ImagesTilt(tension, at, around, outward, full);
   for (PetscInt k = 0; k < around->images; k++) {
     of[k][0] = of[k][1] = of[k][2] = 0;
     SumPhase(tension, at, around, around->image[k].begin, around->image[k].end, phi, of[k]);
@@ -165,7 +165,7 @@ static void SumMirrored(Tension tension, const At *at, const Around *around, Pet
   }
   for (PetscInt k = 0; k < around->images; k++) {
     ContactAngle    contact;
-    const PetscBool found = ContactOf(tension, at, &around->image[k], inward[k], &contact);
+    const PetscBool found = ImagesAngle(tension, at, &around->image[k], inward[k], &contact);
     PetscReal       flat[DIM], along, into = Dot(g, inward[k]);
 
     for (PetscInt d = 0; d < DIM; d++) flat[d] = g[d] - into * inward[k][d];
@@ -423,7 +423,7 @@ static PetscBool TensionsDiffer(Scene scene)
 
 /* Column 6 holds the depth, then sigma kappa; DEPTH_COLUMN the depth for images that are moved (contact.c). */
 #define VALUE_COLUMN        (2 * DIM)
-#define COLUMNS_TOTAL(data) ((data)->tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
+#define COLUMNS_TOTAL(data) ((data)->contact.tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
    zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
@@ -442,7 +442,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, const Phase *pha
     PetscReal      g[DIM], phi, length;
 
     if (!TensionOwns(tension, cloud, level, p) || !data->close[a]) continue;
-    PetscCall(ContactCollect(tension, cloud->domain, &at, COLUMNS(0, DIM), DIM, &around));
+    PetscCall(ImagesCollect(tension, cloud->domain, &at, COLUMNS(0, DIM), DIM, &around));
     SumMirrored(tension, &at, &around, THRESHOLD / (V * H * at.size), &phi, g);
     length = Norm(g);
     if (slope) {
@@ -490,9 +490,9 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *p
 
     if (!TensionOwns(tension, cloud, level, p)) continue;
     PetscCall(
-      ContactCollect(tension, cloud->domain, &at, COLUMNS(0, COLUMNS_TOTAL(data)), COLUMNS_TOTAL(data), &around));
+      ImagesCollect(tension, cloud->domain, &at, COLUMNS(0, COLUMNS_TOTAL(data)), COLUMNS_TOTAL(data), &around));
     PetscCall(ReserveWeights(data, *used + around.n));
-    ContactTilt(tension, &at, &around, n, 1);
+    ImagesTilt(tension, &at, &around, n, 1);
     SumNormals(tension, &at, &around, n, data->weight + *used, data->place + *used, &m);
     PrepareFit(tension, &at, &m, &fit[p]);
     capillary[a] = Sigma(cloud, phase, a) * SurfaceCurvature(tension, &at, &m, &fit[p], n, &more);
@@ -521,10 +521,10 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     const int32_t   *place  = data->place + *used;
 
     if (!TensionOwns(tension, cloud, level, p)) continue;
-    PetscCall(ContactCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
+    PetscCall(ImagesCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
     mean[a] = WeightedMean(&at, weight, place, fit);
     if (slope) {
-      ContactTilt(tension, &at, &around, normal + DIM * a, 1);
+      ImagesTilt(tension, &at, &around, normal + DIM * a, 1);
       WeightedSlope(&at, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;
@@ -578,8 +578,8 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const Phase *pha
     PetscCall(LiquidSort(tension, cloud, phase, l, keep));
     SortedCellsLoad(liquid, DIM, DIM, normal);
     SortedCellsLoad(liquid, VALUE_COLUMN, 1, depth);
-    if (data->tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
-    if (data->bend) SortedCellsLoad(liquid, LINE_COLUMN, 1, data->bend);
+    if (data->contact.tilted) SortedCellsLoad(liquid, DEPTH_COLUMN, 1, depth);
+    if (data->contact.bend) SortedCellsLoad(liquid, LINE_COLUMN, 1, data->contact.bend);
     if (liquid->count > data->fit_capacity[l]) {
       data->fit_capacity[l] = liquid->count + liquid->count / 4;
       PetscCall(PetscFree(data->fit[l]));
@@ -656,12 +656,13 @@ PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(CloudGetWork(cloud, 1, &scalar));
   PetscCall(CloudGetWork(cloud, 1, &share));
-  PetscCall(ContactFindSolids(tension, cloud));
+  PetscCall(ImagesFindSolids(tension, cloud));
   PetscCall(FindNormalsAndSheets(tension, cloud, phase, normal, scalar, share));
-  PetscCall(ContactFindMeeting(tension, cloud, normal, scalar));
-  if (data->walls || data->solid.count) PetscCall(MovingLines.find(data->lines, tension, cloud, normal));
+  PetscCall(ImagesFindMeeting(tension, cloud, normal, scalar));
+  if (data->contact.walls || data->contact.solids)
+    PetscCall(MovingLines.find(data->contact.lines, tension, cloud, normal));
   PetscCall(SortNormals(tension, cloud, phase, normal, scalar));
-  if (data->tilted) { /* first the depths, to which the places of images belong */
+  if (data->contact.tilted) { /* first the depths, to which the places of images belong */
     PetscReal *deeper;
 
     PetscCall(CloudGetWork(cloud, 1, &deeper));
@@ -682,7 +683,7 @@ PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
   PetscCall(
     TakeMean(tension, cloud, normal, scalar, cloud->field[FIELD_CAPILLARY], cloud->field[FIELD_CAPILLARY_SLOPE]));
   PetscCall(CloudRestoreWork(cloud, &scalar));
-  PetscCall(ContactRestore(tension, cloud));
+  PetscCall(ImagesRestore(tension, cloud));
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,13 +2,13 @@
 #ifndef ISPH_CURVATURE_H
 #define ISPH_CURVATURE_H
 
-#include "lines.h"
+#include "contact.h"
 #include "tension_impl.h"
 
 #define SHEET_CORE 0.5 /* range of the repulsion in thin sheets, over H: see sheet.c */
 
 /* More columns of the sorted liquid with fixed contents: depths, if images are moved; the local index, if solids have a
-   contact angle (contact.c); bend. */
+   contact angle; bend. */
 #define DEPTH_COLUMN 7
 #define SOLID_COLUMN 9
 #define LINE_COLUMN  10
@@ -22,20 +22,13 @@ typedef struct {
   PetscInt  count;     /* number of neighbours */
 } NormalFit;
 
-/* --- contact.c, contact_solid.c: images of the liquid behind walls, with their contact angles --- */
-
-typedef struct {
-  PetscReal angle, cosine, sine; /* in the liquid, rad */
-  PetscReal image_tilt;          /* half of the displacement of images along the wall, over their distance from it */
-  PetscReal residual_tan;        /* 1/(cot(angle) - image_tilt) */
-  PetscReal hysteresis_force;    /* (cos r - cos a)/2, over sigma: see lines/hysteresis.c */
-} ContactAngle;
+/* --- images.c, images_solid.c: images of the liquid behind walls, with their contact angles --- */
 
 /* The images that one wall, or all solids, add to the collected particles: begin to end - 1. */
 typedef struct {
   PetscInt            begin, end, axis;
   PetscReal           wall, inward[DIM]; /* of a face: position along the axis, m; unit vector into the liquid */
-  const ContactAngle *contact;           /* of a face; NULL: solids, where each particle has its own, see ContactOf */
+  const ContactAngle *contact;           /* of a face; NULL: solids, where each particle has its own, see ImagesAngle */
 } WallImages;
 
 /* The particles collected around those of one cell: 'real' particles, then the images of 'images' walls, n in all. */
@@ -53,31 +46,22 @@ typedef struct {
 
 /* Data of the particles near solids with a contact angle. */
 typedef struct {
-  PetscInt      count; /* number of solids; 0: none has a contact angle */
-  ContactAngle *angle; /* [count] angle 0: no contact angle */
   PetscReal *mirror; /* [n_total][3] distance (m) from the nearest solid; volume of the image over the particle's, 0: no
                         image; index of the solid, negative: none near, or without contact angle */
   PetscReal  *normal;  /* [n_total][3] outward normal of the solid ... */
   PetscReal  *meeting; /* [n_total][3] ... and the same at the free surface next to the particle */
   PetscReal  *index;   /* [n_total] local indices, for SOLID_COLUMN */
   SortedCells dummies; /* particles of all solids */
-} SolidContact;
+} SolidImages;
 
 /* The data of the model. */
 typedef struct {
-  PetscBool sheets; /* sheet.c is used */
-  PetscReal sharpening;
-  PetscReal slender; /* for rings: see loose.c */
-  /* contact angles */
-  ContactAngle     contact[DIM][2]; /* of the walls of the box */
-  SolidContact     solid;
-  void            *lines;      /* of MovingLines */
-  PetscBool        lines_move; /* the angle depends on the speed ... */
-  const PetscReal *bend;       /* [n_total] ... by MovingLines.angle; NULL: it is that at rest */
-  Images           images;
-  PetscBool        tilted;     /* a contact angle is not 90 degrees: see ContactTilt */
-  PetscBool        hysteresis; /* some contact angle has hysteresis: see lines/hysteresis.c */
-  PetscBool        walls;      /* the box has walls */
+  PetscBool   sheets; /* sheet.c is used */
+  PetscReal   sharpening;
+  PetscReal   slender; /* for rings: see loose.c */
+  Contacts    contact;
+  Images      images;
+  SolidImages solid;
   /* tables */
   Kernel    core;                     /* W^H with the smoothing length SHEET_CORE H: sheet.c */
   PetscReal depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
@@ -102,34 +86,26 @@ static inline Curvature *CurvatureOf(Tension tension)
 }
 PetscErrorCode SortNearSurface(Tension tension, Cloud cloud, const Phase *phase);
 
-/* ContactSetFromOptions - takes -<s>_contact_angle from the scene's solids; reads -wall_contact_angle and
-   -box_<face>_contact_angle, inside an options block; refuses (UserError) a contact angle of a face that is no wall.
-   Collective. */
-PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
-/* ContactView - prints the angles of walls and solids, and warns of angles that look like radians. Collective. */
-PetscErrorCode ContactView(Tension tension, PetscViewer viewer);
-/* ContactJson - writes the angles into the open object. Not collective. */
-void ContactJson(Tension tension, Json *json);
-/* ContactFindSolids - finds mirror, normal and index of SolidContact, ghosts too. ContactFindMeeting - finds meeting,
-   from normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ContactRestore -
-   returns the work arrays of ContactFindSolids. Collective. */
-PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud);
-PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[]);
-PetscErrorCode ContactRestore(Tension tension, Cloud cloud);
-PetscErrorCode ContactDestroy(Tension tension);
-/* ContactCollect - collects the columns of the liquid around a particle, and of images in walls, with their first
+/* ImagesFindSolids - finds mirror, normal and index of SolidImages, ghosts too. ImagesFindMeeting - finds meeting,
+   from normals ([n_total][3]) and depths ([n_total], m) of the particles near the free surface. ImagesRestore -
+   returns the work arrays of ImagesFindSolids. Collective. */
+PetscErrorCode ImagesFindSolids(Tension tension, Cloud cloud);
+PetscErrorCode ImagesFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[]);
+PetscErrorCode ImagesRestore(Tension tension, Cloud cloud);
+PetscErrorCode ImagesDestroy(Tension tension);
+/* ImagesCollect - collects the columns of the liquid around a particle, and of images in walls, with their first
    'width' columns; once for each cell. Columns 3 to 5 are normals if width > 3. Not collective. */
-PetscErrorCode ContactCollect(Tension tension, Domain domain, const At *at, PetscInt columns, PetscInt width,
-                              Around *around);
-/* ContactTilt - moves the collected images for a particle along the wall, in the direction of 'outward', a vector out
+PetscErrorCode ImagesCollect(Tension tension, Domain domain, const At *at, PetscInt columns, PetscInt width,
+                             Around *around);
+/* ImagesTilt - moves the collected images for a particle along the wall, in the direction of 'outward', a vector out
    of the liquid. They move less if its part along the wall is shorter than that of a vector of length 'full' of a
-   surface that meets the wall. ContactVolume - the volume of the collected image k over that of its particle, as seen
-   from a particle; only if images.used. ContactOf - the contact angle of a group of images at a particle, and the unit
-   vector from the wall into the liquid; false: no solid is near. Not collective. */
-void  ContactTilt(Tension tension, const At *at, const Around *around, const PetscReal outward[DIM], PetscReal full);
-float ContactVolume(Tension tension, const At *at, PetscInt k);
-PetscBool ContactOf(Tension tension, const At *at, const WallImages *image, PetscReal inward[DIM],
-                    ContactAngle *contact);
+   surface that meets the wall. ImagesVolume - the volume of the collected image k over that of its particle, as seen
+   from a particle; only if images.used. ImagesAngle - the contact angle of a group of images at a particle, and the
+   unit vector from the wall into the liquid; false: no solid is near. Not collective. */
+void      ImagesTilt(Tension tension, const At *at, const Around *around, const PetscReal outward[DIM], PetscReal full);
+float     ImagesVolume(Tension tension, const At *at, PetscInt k);
+PetscBool ImagesAngle(Tension tension, const At *at, const WallImages *image, PetscReal inward[DIM],
+                      ContactAngle *contact);
 
 /* SheetShare - the degree to which a particle with phi and |grad phi| (1/m) is in a sheet too thin for normals: 0: not,
    1: wholly. Not collective. */

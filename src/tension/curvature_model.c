@@ -49,7 +49,7 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
 
   PetscFunctionBegin;
   if (tension->rings && data->slender > 0) PetscCall(LooseFind(tension, cloud));
-  if (data->lines_move) PetscCall(MovingLines.start(data->lines, cloud, &data->bend));
+  if (data->contact.lines_move) PetscCall(MovingLines.start(data->contact.lines, cloud, &data->contact.bend));
   PetscCall(tension->surfaces ? tension->surfaces(tension, cloud) : TensionSurface(tension, cloud, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -70,6 +70,7 @@ static PetscErrorCode Destroy(Tension tension)
   PetscFunctionBegin;
   PetscCall(KernelDestroy(&data->core));
   PetscCall(ContactDestroy(tension));
+  PetscCall(ImagesDestroy(tension));
   PetscCall(PetscFree(data->weight));
   PetscCall(PetscFree(data->place));
   PetscCall(PetscFree(data->loose));

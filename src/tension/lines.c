@@ -5,7 +5,7 @@ void *TensionLines(Tension tension)
 {
   const Curvature *data = CurvatureOf(tension);
 
-  return data ? data->lines : NULL;
+  return data ? data->contact.lines : NULL;
 }
 
 PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, LineWall wall[WALLS_NEAR])
@@ -21,7 +21,7 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     const PetscReal y = PetscAbsReal(x[d] - (side ? domain->upper : domain->lower)[d]);
 
     if (domain->face[d][side] != FACE_WALL || y >= reach) continue;
-    wall[n].hysteresis = data->contact[d][side].hysteresis_force;
+    wall[n].hysteresis = data->contact.face[d][side].hysteresis_force;
     wall[n].distance   = y;
     for (PetscInt e = 0; e < DIM; e++) {
       wall[n].inward[e]   = e != d ? 0 : side ? -1 : 1;
@@ -29,10 +29,10 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     }
     n++;
   }
-  if (!data->solid.count) return n;
+  if (!data->contact.solids) return n;
   s = SceneSolidDistance(cloud->scene, x, &near);
-  if (s >= reach || data->solid.angle[near].angle <= 0) return n;
-  wall[n].hysteresis = data->solid.angle[near].hysteresis_force;
+  if (s >= reach || data->contact.solid[near].angle <= 0) return n;
+  wall[n].hysteresis = data->contact.solid[near].hysteresis_force;
   wall[n].distance   = s;
   SceneSolidNormal(cloud->scene, x, wall[n].inward);
   SceneSolidVelocity(cloud->scene, near, x, wall[n].velocity);

@@ -39,7 +39,7 @@ PetscErrorCode LiquidSort(Tension tension, Cloud cloud, const Phase *phase, Pets
     if (CloudLevel(cloud, liquid->index[p]) == level) *largest = PetscMax(*largest, cloud->size[liquid->index[p]]);
   }
   if (tension->weighted) SortedCellsLoad(liquid, WEIGHT_COLUMN, 1, cloud->weight);
-  if (data && data->solid.count) SortedCellsLoad(liquid, SOLID_COLUMN, 1, data->solid.index);
+  if (data && data->contact.solids) SortedCellsLoad(liquid, SOLID_COLUMN, 1, data->solid.index);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

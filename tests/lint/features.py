@@ -27,9 +27,9 @@ FEATURES = {
     "graded spacing": (("packing/graded.c", "neighbors/levels.c", "following/"),
                        r"graded|Graded\w*|spacing_coarse|size_most|growth", 13),
     "rings": (("domain/",), r"rings|Ring[A-Z]\w*|\w+Ring[A-Z]\w*|RING_\w+", 16),
-    "contact lines": (("lines/", "tension/contact.c", "tension/contact_solid.c", "tension/lines.c", "tension/lines.h"),
+    "contact lines": (("lines/", "tension/contact.c", "tension/contact.h", "tension/lines.c", "tension/lines.h"),
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
-                      r"|TensionMoveLines|TensionHasLaw|\w*MovingLine\w*", 5),
+                      r"|LinesMove|LineOps|TensionLines|TensionHasLaw|TensionSolidsWet|\w*MovingLine\w*", 4),
     "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 1),
     "interface": (("interface/",), r"Interface[A-Z]\w*|\w+Interface|interface_\w+", 2),
     "pressure jumps": (("neighbors/", "pressure/"),

@@ -102,9 +102,9 @@ static PetscReal Offset(Tension tension, PetscReal volume, const PetscReal foot[
    it. */
 static PetscErrorCode TakeOffsets(Tension tension, Cloud cloud, const PetscReal offset[])
 {
-  Curvature    *data                      = tension->data;
-  SolidContact *solid                     = &data->solid;
-  PetscReal     sum[2 * SCENE_MAX_BODIES] = {0}; /* of each solid: offsets; particles */
+  Curvature   *data                      = tension->data;
+  SolidImages *solid                     = &data->solid;
+  PetscReal    sum[2 * SCENE_MAX_BODIES] = {0}; /* of each solid: offsets; particles */
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -114,7 +114,8 @@ static PetscErrorCode TakeOffsets(Tension tension, Cloud cloud, const PetscReal 
     sum[2 * (PetscInt)mirror[2]] += offset[a];
     sum[2 * (PetscInt)mirror[2] + 1]++;
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(2 * solid->count), MPIU_REAL, MPI_SUM, cloud->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(2 * data->contact.solids), MPIU_REAL, MPI_SUM, cloud->comm));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *mirror = solid->mirror + DIM * a;
 
@@ -128,20 +129,19 @@ static PetscErrorCode TakeOffsets(Tension tension, Cloud cloud, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds mirror and normal (see SolidContact) of the particle at x (m) for solids within 'reach' (m), but for the offset
+/* Finds mirror and normal (see SolidImages) of the particle at x (m) for solids within 'reach' (m), but for the offset
    (m) in the distance. */
 static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], PetscReal reach, PetscReal mirror[DIM],
                       PetscReal normal[DIM], PetscReal *offset)
 {
-  const Curvature    *data    = tension->data;
-  const SolidContact *solid   = &data->solid;
-  PetscInt            nearest = 0;
-  const PetscReal     s       = SceneSolidDistance(cloud->scene, x, &nearest);
-  PetscReal           image[DIM], foot[DIM], div_n, length;
+  const Curvature *data    = tension->data;
+  PetscInt         nearest = 0;
+  const PetscReal  s       = SceneSolidDistance(cloud->scene, x, &nearest);
+  PetscReal        image[DIM], foot[DIM], div_n, length;
 
   *offset   = 0;
   mirror[2] = NO_SOLID;
-  if (s > reach || solid->angle[nearest].angle == 0) return;
+  if (s > reach || data->contact.solid[nearest].angle == 0) return;
   SceneSolidNormal(cloud->scene, x, normal);
   if (Norm(normal) == 0) return;
   for (PetscInt d = 0; d < DIM; d++) {
@@ -157,14 +157,14 @@ static void FindSolid(Tension tension, Cloud cloud, const PetscReal x[DIM], Pets
   mirror[1] = length > LENGTH_LEAST ? PetscSqr(PetscMax(0, 1 - s * div_n / length)) : 0;
 }
 
-PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
+PetscErrorCode ImagesFindSolids(Tension tension, Cloud cloud)
 {
-  Curvature    *data  = tension->data;
-  SolidContact *solid = &data->solid;
-  PetscReal    *offset;
+  Curvature   *data  = tension->data;
+  SolidImages *solid = &data->solid;
+  PetscReal   *offset;
 
   PetscFunctionBegin;
-  if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (data->contact.solids == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SortDummies(tension, cloud));
   PetscCall(CloudGetWork(cloud, DIM, &solid->mirror));
   PetscCall(CloudGetWork(cloud, DIM, &solid->normal));
@@ -186,13 +186,13 @@ PetscErrorCode ContactFindSolids(Tension tension, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
+PetscErrorCode ImagesFindMeeting(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal depth[])
 {
-  Curvature    *data  = tension->data;
-  SolidContact *solid = &data->solid;
+  Curvature   *data  = tension->data;
+  SolidImages *solid = &data->solid;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && solid->count; a++) {
+  for (PetscInt a = 0; a < cloud->n_fluid && data->contact.solids; a++) {
     const PetscReal *n = normal + DIM * a, *x = cloud->field[FIELD_POSITION] + DIM * a;
     const PetscReal  y[DIM] = {x[0] + depth[a] * n[0], x[1] + depth[a] * n[1], x[2] + depth[a] * n[2]};
     PetscReal        meeting[DIM];
@@ -201,17 +201,17 @@ PetscErrorCode ContactFindMeeting(Tension tension, Cloud cloud, const PetscReal 
     SceneSolidNormal(cloud->scene, y, meeting);
     for (PetscInt d = 0; d < DIM && Norm(meeting) > 0; d++) solid->meeting[DIM * a + d] = meeting[d];
   }
-  if (solid->count) PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, solid->meeting));
+  if (data->contact.solids) PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, solid->meeting));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ContactRestore(Tension tension, Cloud cloud)
+PetscErrorCode ImagesRestore(Tension tension, Cloud cloud)
 {
-  Curvature    *data  = tension->data;
-  SolidContact *solid = &data->solid;
+  Curvature   *data  = tension->data;
+  SolidImages *solid = &data->solid;
 
   PetscFunctionBegin;
-  if (solid->count == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (data->contact.solids == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudRestoreWork(cloud, &solid->index));
   PetscCall(CloudRestoreWork(cloud, &solid->meeting));
   PetscCall(CloudRestoreWork(cloud, &solid->normal));
