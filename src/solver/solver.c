@@ -187,16 +187,22 @@ static PetscErrorCode NormOf(KSP ksp, Vec r, Vec z, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Measure(const Solver *solver, Vec r, SolverReport *report, PetscReal *rhs)
+/* r is lost. The diagonal is made only where the rounding decides. */
+static PetscErrorCode Measure(const Solver *solver, Vec r, SolverReport *report, PetscReal *rounding)
 {
-  PetscReal rtol, atol;
+  PetscReal rtol, atol, rhs;
 
   PetscFunctionBegin;
   PetscCall(KSPGetTolerances(solver->ksp, &rtol, &atol, NULL, NULL));
-  PetscCall(NormOf(solver->ksp, solver->b, solver->scratch[1], rhs));
+  PetscCall(NormOf(solver->ksp, solver->b, solver->scratch[1], &rhs));
   PetscCall(NormOf(solver->ksp, r, solver->scratch[1], &report->residual));
   PetscCall(KSPGetResidualNorm(solver->ksp, &report->claimed));
-  report->asked = PetscMax(rtol * *rhs, atol);
+  report->asked = PetscMax(rtol * rhs, atol);
+  *rounding     = 0;
+  if (report->residual <= report->asked) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatGetDiagonal(solver->A, r));
+  PetscCall(VecPointwiseMult(r, r, solver->x));
+  PetscCall(NormOf(solver->ksp, r, solver->scratch[1], rounding));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

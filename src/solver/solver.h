@@ -42,8 +42,7 @@ typedef struct {
   /* before an attempt: the start value, the preconditioner. again: the former attempt failed, this one starts from
      zero. NULL: x holds the start value */
   PetscErrorCode (*start)(void *context, PetscBool again);
-  /* sets asked, claimed and residual from r = b - A x; *rounding: see SolverJudge. NULL: in the norm of the KSP, |b|
-     for the rounding */
+  /* sets asked, claimed and residual from r = b - A x; *rounding: see SolverJudge. NULL: in the norm of the KSP */
   PetscErrorCode (*measure)(void *context, Vec r, SolverReport *report, PetscReal *rounding);
 } Solver;
 

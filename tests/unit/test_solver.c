@@ -277,6 +277,47 @@ static void TestJudge(void)
   }
 }
 
+/* A solver without a measure of its own, A = 1 + c times a Laplacian and x = 1: the terms of A x are c times larger
+   than b, so the rounding of the product is, too, and what it keeps from a tolerance of 1e-13 is no lie. */
+static PetscErrorCode TestRounding(void)
+{
+  const PetscReal c      = 1e6;
+  const PetscInt  n      = 200;
+  Solver          solver = {.name = "rounding"};
+  SolverReport    report;
+  PetscInt        begin, end;
+  PetscReal       off;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, n, n, 3, NULL, 2, NULL, &solver.A));
+  PetscCall(MatGetOwnershipRange(solver.A, &begin, &end));
+  for (PetscInt i = begin; i < end; i++) {
+    const PetscInt  near[] = {i, i ? i - 1 : n - 1, (i + 1) % n};
+    const PetscReal row[]  = {1 + 2 * c, -c, -c};
+
+    PetscCall(MatSetValues(solver.A, 1, &i, 3, near, row, INSERT_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(solver.A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(solver.A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatCreateVecs(solver.A, &solver.x, &solver.b));
+  PetscCall(VecSet(solver.b, 1));
+  for (PetscInt i = begin; i < end; i++)
+    PetscCall(VecSetValue(solver.x, i, 1 + 0.1 * PetscSinReal(i * i), INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(solver.x));
+  PetscCall(VecAssemblyEnd(solver.x));
+  PetscCall(SolverCreate(PETSC_COMM_WORLD, "rounding_", KSP_NORM_DEFAULT, 1e-13, PCJACOBI, &solver));
+  PetscCall(KSPSetOperators(solver.ksp, solver.A, solver.A));
+  PetscCall(SolverSolve(&solver, &report));
+  CHECK(report.residual > SOLVER_SLACK * report.asked, "the rounding decides");
+  CHECK(!SolverFailed(&report), "the rounding of a product whose terms cancel is no lie");
+  PetscCall(VecShift(solver.x, -1));
+  PetscCall(VecNorm(solver.x, NORM_INFINITY, &off));
+  CHECK_CLOSE(off, 0, 1e-8, "x where the rounding decides");
+  PetscCall(MatDestroy(&solver.A));
+  PetscCall(SolverReset(&solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscMPIInt size;
@@ -286,6 +327,7 @@ int main(int argc, char **argv)
   PetscCall(KSPRegister("liar", CreateLiar));
   PetscCall(KSPRegister("liar_from_start", CreateLiarFromStart));
   TestJudge();
+  PetscCall(TestRounding());
   PetscCall(TestRefused("-ksp_type liar", "liar"));
   PetscCall(TestRefused("-ksp_type liar -pressure_density_tolerance 1e-6", "liar about the density"));
   PetscCall(TestRefused("-ksp_type preonly -pc_type jacobi", "preconditioner alone"));
