@@ -174,6 +174,16 @@ void EmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
     shift[d] = (TravelTime(body, time) - (PetscReal)k * e->interval) * body->uniform[d];
 }
 
+PetscBool EmissionIsJet(Body body, PetscInt *along)
+{
+  const Emitter  *e     = (const Emitter *)body->type_data;
+  const PetscReal speed = Norm(body->uniform);
+
+  for (*along = 0; *along < body->domain->dim - 1 && body->uniform[*along] == 0;) (*along)++;
+  return (PetscBool)(PetscAbsReal(body->uniform[*along]) == speed &&
+                     e->interval <= LengthAlong(body, speed) / speed * (1 + INTERVAL_ROUNDING));
+}
+
 static void Velocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Emitter  *e = (const Emitter *)body->type_data;

@@ -141,6 +141,56 @@ static PetscErrorCode TestParticles(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The train of a jet whose width (m) fits no lattice, up or down: after many fillings it has the volume of its shape
+   but for a row, its rows are evenly far apart, and each particle has a number of its own. */
+static PetscErrorCode TestFlux(PetscReal width, PetscReal speed)
+{
+  const PetscInt  fillings = 20, rows = 10;
+  const PetscReal h = 0.1, time = (fillings - 0.5) * rows * h / PetscAbsReal(speed), shape = width * rows * h;
+  char            options[512];
+  PetscInt        emitted, first;
+  PetscReal       way[512], gap, wrong = 0;
+  Emissions       emissions = {0};
+  PackingReport   report;
+  Packing         packing;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options),
+                          "-dimension 2 -spacing %g -box_lower 0,-30 -box_upper 4,30 -packing_jitter 0 -bodies jet "
+                          "-jet_type emitter -jet_lower 1,0 -jet_upper %g,%g -jet_velocity 0,%g ",
+                          (double)h, (double)(1 + width), (double)(rows * h), (double)speed));
+  PetscCall(SetupOpen(options, &s));
+  PetscCall(PackingCreate(s.cloud, &packing));
+  PetscCall(PackingSetFromOptions(packing));
+  PetscCall(PackingRun(packing, &report));
+  PetscCall(EmissionsAdd(&emissions, s.cloud, packing, time, PETSC_FALSE, &emitted));
+  CHECK_CLOSE(emitted * h * h / (fillings * shape), 1, 1.0 / (fillings * rows), "volume of a train of fillings");
+  CHECK_CLOSE(EmissionVolume(&emissions.of[0], s.domain), shape, 1e-3 * shape, "volume of a filling in the mean");
+  first = 0;
+  for (PetscInt k = 0; k < fillings; k++) /* the rows of the first column */
+    for (PetscInt copy = 0; copy < 2; copy++)
+      for (PetscInt p = 0; p < emissions.of[0].n; p++) {
+        PetscReal x[DIM];
+
+        if (PetscAbsReal(emissions.of[0].x[DIM * p] - emissions.of[0].x[0]) > 0.1 * h ||
+            !EmissionPoint(&emissions.of[0], SceneBody(s.scene, 0), k, p, copy, x))
+          continue;
+        CHECK(x[1] >= 0 && x[1] <= rows * h, "a filling is in its shape");
+        way[first++] = k * rows * h + (speed > 0 ? rows * h - x[1] : x[1]);
+      }
+  PetscCall(PetscSortReal(first, way));
+  gap = (way[first - 1] - way[0]) / (first - 1);
+  for (PetscInt k = 1; k < first; k++) wrong = PetscMax(wrong, PetscAbsReal(way[k] - way[k - 1] - gap));
+  CHECK_CLOSE(wrong, 0, 1e-9, "rows of a train are evenly far apart");
+  CHECK_CLOSE(gap * width, h * h * (emissions.of[0].n / rows), 1e-3 * h * h,
+              "and so far that the flux is that of the shape");
+  PetscCall(EmissionsDestroy(&emissions));
+  PetscCall(PackingDestroy(&packing));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The modified Bessel function of order one, by its series. */
 static PetscReal BesselI1(PetscReal x)
 {
@@ -182,6 +232,11 @@ int main(int argc, char **argv)
   PetscCall(TestTimes());
   PetscCall(TestHolds());
   PetscCall(TestParticles());
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(TestFlux(1.06, k ? 1 : -1)); /* 11 columns */
+    PetscCall(TestFlux(0.53, k ? 1 : -1)); /* 5 */
+    PetscCall(TestFlux(0.5, k ? 1 : -1));
+  }
   PetscCall(TestThread());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
