@@ -75,13 +75,14 @@ static PetscReal CrossSection(Cloud cloud, Body body, PetscInt along)
   return inside * cell;
 }
 
-/* By how much the train of a jet's points is stretched: their volume over that of the shape. 1: not. Rings have it. */
+/* By how much the train of a jet's points is stretched: their volume over that of the shape. 1: not. Rings have the
+   right area. */
 static PetscReal Stretch(Cloud cloud, Emission *emission, Body body)
 {
   const Domain domain = cloud->domain;
   PetscReal    from, length, share;
 
-  if (domain->rings || !EmissionIsJet(body, &emission->along)) return 1;
+  if (emission->area != 1 || !EmissionIsJet(body, &emission->along)) return 1;
   length = Reach(body, emission->along, &from);
   if (from < domain->lower[emission->along] || from + length > domain->upper[emission->along]) return 1;
   share = emission->n * domain->volume / (length * CrossSection(cloud, body, emission->along));

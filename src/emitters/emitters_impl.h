@@ -9,7 +9,8 @@
 /* EmissionShift - the displacement (m) of the liquid of filling k = 0, 1, ... of an emitter at a time (s) if the liquid
    keeps the emitter's velocity. Not collective. */
 void EmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM]);
-/* EmissionIsJet - whether an emitter's fillings follow each other without gaps, along the axis *along. Not collective. */
+/* EmissionIsJet - whether an emitter's fillings follow each other without gaps, along an axis, *along. Not
+   collective. */
 PetscBool EmissionIsJet(Body body, PetscInt *along);
 
 /* The points of an emitter, which it brings at each emission; of each body of a scene. Zero at the start. */
@@ -35,8 +36,7 @@ typedef struct {
 PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, PetscReal time, PetscBool resumed,
                             PetscInt *emitted);
 PetscReal      EmissionVolume(const Emission *emission, Domain domain);
-PetscBool      EmissionPoint(const Emission *emission, Body body, PetscInt k, PetscInt p, PetscInt copy,
-                             PetscReal x[DIM]);
+PetscBool EmissionPoint(const Emission *emission, Body body, PetscInt k, PetscInt p, PetscInt copy, PetscReal x[DIM]);
 PetscErrorCode EmissionsDestroy(Emissions *emissions);
 
 #endif

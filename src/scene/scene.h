@@ -10,8 +10,9 @@
 
    -<b>_type emitter: the body is empty at the start. Its shape is filled with liquid of the body's velocity every
    _interval (s) from _start (s) on, _count times (0: without end). The default interval is the shape's length along the
-   velocity over the speed; then a box or cylinder along it gives a jet without gaps, with the flux of its cross-section.
-   Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed is v (1 + e sin 2 pi f t).
+   velocity over the speed; then a box or cylinder along it gives a jet without gaps, with the flux of its
+   cross-section. Liquid inside the shape keeps the velocity. _modulation e and _modulation_frequency f (Hz): the speed
+   is v (1 + e sin 2 pi f t).
 
    -solids step,ramp  and, for each solid <s>, -<s>_shape and its sizes. Solids have the same no-slip condition as the
    walls of the box. They may touch and overlap each other and the faces of the box. A solid is fixed, or it has a
