@@ -39,16 +39,14 @@ def held(points, cells):
     return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
 
 
-def fitted(run, points, normals, cells, volume):
+def fitted(fluid, points, normals, cells, volume):
     """The corners of a mesh, moved along their normals by one length, with which the mesh has the given volume. No
     corner leaves the box through a face at which the liquid ends flat. The contour of the blurred liquid is up to a
     fifth of a spacing too far out."""
-    closed = np.array(run.faces) != "open"
-    lower, upper = np.where(closed[:, 0], run.lower, -np.inf), np.where(closed[:, 1], run.upper, np.inf)
-    near, far = -FARTHEST * run.spacing, FARTHEST * run.spacing
+    near, far = -FARTHEST * fluid.spacing, FARTHEST * fluid.spacing
     for _ in range(HALVINGS):
         middle = 0.5 * (near + far)
-        moved = np.clip(points + middle * normals, lower, upper)
+        moved = fluid.cut(points + middle * normals)
         near, far = (middle, far) if held(moved, cells) < volume else (near, middle)
     return moved
 
@@ -112,9 +110,9 @@ def surface_of(run, state, least):
         share = size[size >= least].sum() / size.sum()
     used, index = np.unique(cells, return_inverse=True)
     points, normals, cells = points[used], normals[used], index.reshape(-1, 3)
-    values = fluid.values(points - 0.5 * run.spacing * normals) if len(points) else np.zeros((0, 3))
+    values = fluid.values(fluid.cut(points) - 0.5 * run.spacing * normals) if len(points) else np.zeros((0, 3))
     if len(cells) and len(lonely) == len(state.points):  # all of the liquid is in the box
-        points = fitted(run, points, normals, cells, share * volume_of(run, state, lonely))
+        points = fitted(fluid, points, normals, cells, share * volume_of(run, state, lonely))
     mesh = polydata(points, cells)
     found = {"speed": values[:, 0], "pressure": values[:, 1], "body": values[:, 2]}
     source = {"speed": "velocity", "pressure": "pressure", "body": "body"}

@@ -27,6 +27,7 @@ WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
+BEHIND = 1  # nodes behind a face at which the liquid ends flat: its edges, which the mesh filter rounds, are cut there
 SMOOTHING = 25  # iterations of the mesh filter
 PASS_BAND = 0.06  # of the mesh filter
 SOFT = 6  # passes that average the normals of a picture
@@ -81,6 +82,18 @@ def sample(field, places):
         share = np.prod(np.where(np.array(corner) == 1, rest, 1 - rest), axis=1)
         value += share * field[tuple((base + corner).T)]
     return value
+
+
+def cut(points, lower, upper, rings=False):
+    """Points of a surface [n][3]; those outside a box (rings: outside the cylinder of radius upper[0]) are put onto its
+    faces. A face at infinity is none."""
+    points = points.copy()
+    if rings:
+        reach = np.maximum(np.hypot(*points[:, :2].T), 1e-300)
+        points[:, :2] *= np.minimum(1, upper[0] / reach)[:, None]
+    axes = slice(2 if rings else 0, 3)
+    points[:, axes] = np.clip(points[:, axes], lower[axes], upper[axes])
+    return points
 
 
 def with_images(points, others, lower, upper, margin):
@@ -160,21 +173,22 @@ class Liquid:
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (spacing / self.cell) ** dim
         self.drop, self.all = spread(places, size, (weight * of_drop, weight), shape, FILTER * spacing / self.cell)
         self.hollow = blur(np.minimum(self.all[(slice(None, None, 4),) * dim], 1), WIDE / (4 * self.cell))
-        # The block of liquid ends at the sides and the bottom of the box with flat faces.
+        # The block of liquid ends at the sides and the bottom of the box with flat faces; mesh() cuts it there.
+        self.lower, self.upper = np.array(lower, float), np.array([*upper[:2], np.inf])
         layer = int(np.ceil(spacing / self.cell))
         self.block = np.minimum(self.all, 1)
         self.block[..., :margin + layer] = self.block[..., margin + layer, None]
         for axis in range(dim - 1):
             beyond = np.ones(shape[axis], bool)
-            beyond[margin:margin + int(round(extent[axis] / self.cell)) + 1] = False
+            beyond[margin - BEHIND:margin + int(round(extent[axis] / self.cell)) + 1 + BEHIND] = False
             np.moveaxis(self.block, axis, 0)[beyond] = 0
-        self.block[..., :margin] = 0
+        self.block[..., :margin - BEHIND] = 0
 
     @functools.lru_cache(maxsize=1)
     def mesh(self):
         """The surface in the form of triangles(), for all pictures of this liquid."""
         points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell)
-        return points, softened(normals, cells), cells
+        return cut(points, self.lower, self.upper, self.rings), softened(normals, cells), cells
 
     def places(self, points):
         """Points (m) in units of the grid's nodes."""

@@ -98,8 +98,8 @@ class Fluid:
                                                      surface.FILTER * run.spacing / self.cell)
         for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
             nodes = self.origin[d] + self.cell * np.arange(shape[d])
-            for side, beyond in ((0, nodes < run.lower[axis] - 0.5 * self.cell),
-                                 (1, nodes > run.upper[axis] + 0.5 * self.cell)):
+            behind = (surface.BEHIND + 0.5) * self.cell
+            for side, beyond in ((0, nodes < run.lower[axis] - behind), (1, nodes > run.upper[axis] + behind)):
                 if run.faces[axis][side] != "open":
                     for field in (self.fraction, *self.moment):
                         np.moveaxis(field, d, 0)[beyond] = 0
@@ -126,19 +126,10 @@ class Fluid:
         return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-30)
 
     def cut(self, points):
-        """Points of the surface [n][3]; those beyond faces that are not open are put onto these: the surface ends
-        within a cell and a half behind the face."""
-        run, points = self.run, points.copy()
-        for axis in self.axes:
-            for side, face in enumerate((run.lower[axis], run.upper[axis])):
-                if run.faces[axis][side] == "open":
-                    continue
-                if run.rings and axis == 0:
-                    reach = np.maximum(np.hypot(*points[:, :2].T), 1e-300)
-                    points[:, :2] *= np.minimum(1, run.upper[0] / reach)[:, None]
-                else:
-                    points[:, axis] = (np.minimum if side else np.maximum)(points[:, axis], face)
-        return points
+        """Points of the surface [n][3]; those beyond faces that are not open are put onto these."""
+        closed = np.array(self.run.faces) != "open"
+        lower, upper = np.where(closed[:, 0], self.run.lower, -np.inf), np.where(closed[:, 1], self.run.upper, np.inf)
+        return surface.cut(points, lower, upper, self.run.rings)
 
     def mesh(self):
         """Points, normals, triangles of the surface, and which particles are outside it."""

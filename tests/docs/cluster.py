@@ -171,9 +171,12 @@ for number in (signal.SIGUSR1, signal.SIGTERM):
 
 # the container: what is copied, and that the program can be made and installed from it
 with open(os.path.join(runs.ROOT, "options", "cluster", "Containerfile"), encoding="utf-8") as recipe_file:
-    copies = [line.split()[1:] for line in re.findall(r"^COPY .*$", recipe_file.read(), re.M)]
+    recipe = recipe_file.read()
+copies = [line.split()[1:] for line in re.findall(r"^COPY .*$", recipe, re.M)]
 sources = {word.rstrip("/") for words in copies for word in words[:-1]}
 runs.check(bool(sources) and not sources & {".", "output", ".git", "*"}, "container_without_runs", str(sources))
+runs.check(re.search("^ENV OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", recipe, re.M),
+           "root_of_container", "Open MPI refuses -ranks to root")
 tree = runs.scratch("isph-src")
 os.mkdir(tree)
 for source in sorted(sources - {"."}):

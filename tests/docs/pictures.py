@@ -163,6 +163,25 @@ values = fluid.values(corners)
 runs.check_within(values.min(), 6.9, 7, "least_value_on_the_surface")
 runs.check_within(values.max(), 7, 7.1, "greatest_value_on_the_surface")
 
+# liquid in a tank has the edges and corners of the tank, where its surface was rounded, and a cylinder its wall
+tank = types.SimpleNamespace(lower=np.zeros(3), upper=np.array([0.1, 0.08, 0.2]), spacing=D0, rings=False,
+                             faces=[["wall", "wall"], ["wall", "symmetry"], ["wall", "open"]])
+every = np.stack(np.meshgrid(*[D0 * (np.arange(n) + 0.5) for n in (10, 8, 6)], indexing="ij"), axis=-1).reshape(-1, 3)
+one = np.ones(len(every))
+basin = views.Fluid(tank, every, one[:, None], one, one)
+filled = surface.Liquid(every, 0 * one, D0, tank.lower, tank.upper, one, one)
+for name, corners in (("a view", basin.cut(basin.mesh()[0])), ("figure 1", filled.mesh()[0])):
+    off = [np.hypot(*(corners[np.abs(corners[:, along] - t) < 0.5 * D0][:, across] - edge).T).min()
+           for along, across, edge, length in ((2, [0, 1], (0, 0), 0.04), (2, [0, 1], (0.1, 0.08), 0.04),
+                                               (0, [1, 2], (0, 0), 0.1), (1, [0, 2], (0.1, 0), 0.08))
+           for t in np.linspace(0, length, 9)]
+    runs.check(max(off) < 1e-3 * D0, f"edges_of_liquid_in_{name}", np.array(off) / D0)
+    close([corners.min(axis=0), corners[:, :2].max(axis=0).tolist() + [0]], [(0, 0, 0), (0.1, 0.08, 0)],
+          f"liquid_within_its_tank_in_{name}")
+outside = np.array([(3, 4, 1), (0.3, 0.4, -1.0)])
+reach = np.hypot(*surface.cut(outside, np.array([-1, -1, 0]), np.ones(3), True)[:, :2].T)
+close(reach, (1, 0.5), "wall_of_a_cylinder")
+
 # colour scales of the page: round numbers, lengths for sizes; none of what does not vary
 seen = {"speed": [np.array([0, 0.31])], "pressure": [np.zeros(2)], "size": [np.array([1, 2.0])]}
 scales = viewer.colorings(run, seen, True)
