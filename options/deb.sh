@@ -24,7 +24,7 @@ Maintainer: the isph authors <isph@localhost>
 Section: science
 Priority: optional
 Depends: $needs, openmpi-bin, python3, python3-numpy, python3-h5py
-Recommends: python3-matplotlib, python3-vtk9, libjs-three, xvfb, xauth
+Recommends: python3-matplotlib, python3-vtk9, libjs-three, xvfb
 Suggests: ffmpeg, python3-pandas, python3-mpi4py
 Installed-Size: $(du -sk root/usr | cut -f 1)
 Description: incompressible smoothed particle hydrodynamics on PETSc

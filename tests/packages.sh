@@ -5,7 +5,7 @@
 # Silent if nothing is missing.
 set -u
 build="gcc libc6-dev make pkg-config libopenmpi-dev petsc-dev slepc-dev libhdf5-mpi-dev libmetis-dev"
-pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
+pictures="python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb"
 browser="chromium"
 hosts="iproute2"
 film="ffmpeg"

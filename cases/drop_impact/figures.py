@@ -5,7 +5,7 @@
 
 Reads series.csv, scene.json and snapshot_*.h5 of the run; writes RUN_FOLDER/figures/figure_1.png and figure_2.png.
 The other runs appear in figure 2 only, which has a column for each impact speed. Needs Debian's python3-h5py,
-python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
+python3-matplotlib, python3-vtk9 and, without a display, xvfb.
 """
 import argparse
 import functools

@@ -1,8 +1,10 @@
 """A display for VTK: Debian's draws in a window only."""
+import atexit
 import concurrent.futures
 import multiprocessing
 import os
 import shutil
+import subprocess
 import sys
 import time
 
@@ -12,15 +14,23 @@ PATIENCE = 5  # s between lines of progress
 
 
 def with_display():
-    """Starts this program again under xvfb-run if there is no display."""
+    """Starts an X server without a screen, until this program ends, if there is no display. The server chooses its
+    number itself: xvfb-run looks for a free one, which another program may take meanwhile. It does not start anew when
+    its last window closes: one opened then finds no server."""
     if os.environ.get("DISPLAY"):
         return
-    if not shutil.which("xvfb-run") or not shutil.which("xauth"):
+    if not shutil.which("Xvfb"):
         raise RunError(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
-    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", sys.executable, os.path.abspath(sys.argv[0])]
-    sys.stdout.flush()
-    os.execvp(command[0], command + sys.argv[1:])
+    reading, writing = os.pipe()
+    server = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-noreset", "-screen", "0", "1280x1024x24"],
+                              pass_fds=[writing], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    os.close(writing)
+    atexit.register(server.terminate)
+    with os.fdopen(reading, encoding="ascii") as answer:
+        number = answer.readline().strip()
+    if not number:
+        raise RunError("Xvfb, which the pictures need without a display, does not start.")
+    os.environ["DISPLAY"], os.environ["LIBGL_ALWAYS_SOFTWARE"] = f":{number}", "1"
 
 
 def counted(results, count, what):

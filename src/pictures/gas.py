@@ -10,9 +10,8 @@ from vtkmodules.vtkImagingMorphological import vtkImageConnectivityFilter
 import columns
 import surface
 import tables
-import views
 
-COLOR = "#E8C547"
+COLOR, FAINT = "#E8C547", 0.35  # of pockets, and how much of it shows through liquid
 LEAST = 4  # cells of spacing^dim: smaller voids are none that a picture shows
 NEAR = 0.02  # of the run: the row of pockets.csv is of the same time
 
@@ -50,7 +49,7 @@ class Pockets:
         share, size = (np.concatenate([array, np.ones(len(state.solid))]) for array in (state.share, state.size))
         own = np.arange(len(points)) < len(state.points)
         margin = 4 * surface.FILTER * run.spacing * size.max(initial=1)
-        near, (share, size, own) = views.images(run, points, [share, size, own], margin)
+        near, (share, size, own) = surface.images(run, points, [share, size, own], margin)
         weight = share * (run.spacing / self.cell) ** len(self.axes)
         full, liquid = surface.spread((near[:, self.axes] - low) / self.cell, size, [weight, weight * own], shape,
                                       surface.FILTER * run.spacing / self.cell)
@@ -73,7 +72,7 @@ class Pockets:
     def mesh(self):
         """Points and triangles: the surface of the pockets, in a plane the cells that they fill."""
         if len(self.axes) == 3 or self.axes[1] == 2:
-            points, _, cells = surface.triangles(self.field, surface.LEVEL, self.origin, self.cell)
+            points, _, cells = self.surface()
             return points, cells
         ends = np.diff(np.pad(self.field > surface.LEVEL, ((0, 0), (1, 1))).astype(int), axis=1)
         (line, begin), (_, end) = np.argwhere(ends > 0).T, np.argwhere(ends < 0).T  # the filled parts of each line
@@ -84,19 +83,30 @@ class Pockets:
         cells = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
         return np.column_stack([points, np.zeros(len(points))]), cells
 
+    def surface(self):
+        """Points, normals and triangles of the surface of the pockets, in space and of rings."""
+        return surface.triangles(self.field, surface.LEVEL, self.origin, self.cell)
+
     def section(self, axes, run, unit):
         """Draws the tint and the pressures into a section. unit: factor on m."""
         if not self.every:
             return
         field = self.field[:, self.field.shape[1] // 2] if len(self.axes) == 3 else self.field
         x, z = (unit * (self.origin[d] + self.cell * np.arange(n)) for d, n in zip((0, -1), field.shape))
-        axes.contourf(x, z, field.T, levels=[surface.LEVEL, 10], colors=[COLOR], alpha=0.35, zorder=0.5)
+        axes.contourf(x, z, field.T, levels=[surface.LEVEL, 10], colors=[COLOR], alpha=FAINT, zorder=0.5)
         for centre, pressure in self.every:
             if pressure is None or run.rings and centre[0] < -0.5 * run.spacing:
                 continue
             factor, name = columns.prefixed(pressure, "Pa")
             axes.text(unit * centre[0], unit * centre[-1], f"{factor * pressure:.3g} {name}", fontsize=7, ha="center",
                       va="center", zorder=4)
+
+
+def surface_of(run, state):
+    """Points, normals and triangles of the pockets of a state in space or with rings; none without -gas."""
+    if not wanted(run):
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int)
+    return Pockets(run, state).surface()
 
 
 def draw(axes, run, state, unit):

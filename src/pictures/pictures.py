@@ -10,7 +10,7 @@ Writes into RUN_FOLDER/figures:
     top.png       three dimensions: the view from above, with a scale bar
     curves.png    gauges and energies of the scene; with --curves the columns of that name
 or .pdf, .svg.
-Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb and xauth.
+Needs Debian's python3-h5py, python3-matplotlib, python3-vtk9 and, without a display, xvfb.
 """
 import argparse
 import functools

@@ -110,6 +110,29 @@ def with_images(points, others, lower, upper, margin):
     return points, others
 
 
+def images(run, points, others, margin):
+    """Adds points within a margin beyond the faces: copies through periodic faces, images in walls and mirrors. others:
+    arrays with a row for each point, which are copied."""
+    for d in range(3):
+        length = run.upper[d] - run.lower[d]
+        new, more = [points], [others]
+        for side, face in ((0, run.lower[d]), (1, run.upper[d])):
+            kind = run.faces[d][side]
+            if kind == "open":
+                continue
+            opposite = run.upper[d] if side == 0 else run.lower[d]
+            near = np.abs(points[:, d] - (opposite if kind == "periodic" else face)) < margin
+            copy = points[near].copy()
+            if kind == "periodic":
+                copy[:, d] += length if side else -length
+            else:
+                copy[:, d] = 2 * face - copy[:, d]
+            new.append(copy)
+            more.append([other[near] for other in others])
+        points, others = np.concatenate(new), [np.concatenate(parts) for parts in zip(*more)]
+    return points, others
+
+
 def in_plane(points, axes):
     """Points [n][3] in the coordinates of a grid over these axes; without y the first is the distance from the axis."""
     return points if len(axes) == 3 else np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)

@@ -6,7 +6,7 @@ import math
 import os
 import sys
 
-PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb xauth"
+PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb"
 
 
 class RunError(Exception):

@@ -2,6 +2,7 @@
 import numpy as np
 from matplotlib.collections import EllipseCollection, PolyCollection
 
+import gas
 import solids
 import surface
 
@@ -92,7 +93,7 @@ class Fluid:
         if run.rings:  # a node is on the axis
             self.origin[0] = self.cell * np.floor(self.origin[0] / self.cell)
         shape = np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1 + run.rings
-        near, (value, share, size) = images(run, self.points, [values, share, size], margin)
+        near, (value, share, size) = surface.images(run, self.points, [values, share, size], margin)
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (run.spacing / self.cell) ** len(axes)
         self.fraction, *self.moment = surface.spread(places, size, [weight, *(weight * value.T)], shape,
                                                      surface.FILTER * run.spacing / self.cell)
@@ -136,29 +137,6 @@ class Fluid:
         points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell)
         lonely = surface.sample(self.fraction, self.places(self.points)) < surface.LEVEL
         return points, normals, cells, lonely
-
-
-def images(run, points, others, margin):
-    """Adds points within a margin beyond the faces: copies through periodic faces, images in walls and mirrors. others:
-    arrays with a row for each point, which are copied."""
-    for d in range(3):
-        length = run.upper[d] - run.lower[d]
-        new, more = [points], [others]
-        for side, face in ((0, run.lower[d]), (1, run.upper[d])):
-            kind = run.faces[d][side]
-            if kind == "open":
-                continue
-            opposite = run.upper[d] if side == 0 else run.lower[d]
-            near = np.abs(points[:, d] - (opposite if kind == "periodic" else face)) < margin
-            copy = points[near].copy()
-            if kind == "periodic":
-                copy[:, d] += length if side else -length
-            else:
-                copy[:, d] = 2 * face - copy[:, d]
-            new.append(copy)
-            more.append([other[near] for other in others])
-        points, others = np.concatenate(new), [np.concatenate(parts) for parts in zip(*more)]
-    return points, others
 
 
 def value_table(state, color, bodies):
@@ -241,8 +219,8 @@ def above(run, states):
 
 
 class Shape:
-    """What a picture shows of a state, from wherever it is seen: points, normals, cells (triangles), base (colours) of
-    the liquid's surface and the solids."""
+    """What a picture shows of a state, from wherever it is seen. liquid, solid, gas: points, normals, triangles, and
+    the colours at the points."""
 
     def __init__(self, run, state, color, ends, colormap):
         fluid = Fluid(run, state.points, value_table(state, color, len(run.bodies)), state.share, state.size)
@@ -252,21 +230,31 @@ class Shape:
         cells = np.concatenate([cells, balls[2] + len(points)])
         points, normals = np.concatenate([points, balls[0]]), np.concatenate([normals, balls[1]])
         base = base_colors(fluid.values(points - 0.5 * run.spacing * normals), color, ends, colormap)
-        solid = solid_mesh(run, state)
-        self.base = np.concatenate([base, np.tile(rgb_of(SOLID_COLOR), (len(solid[0]), 1))])
-        self.cells = np.concatenate([cells, solid[2] + len(points)])
-        self.points, self.normals = np.concatenate([points, solid[0]]), np.concatenate([normals, solid[1]])
+        self.liquid = points, normals, cells, base
+        self.solid, self.gas = ((*mesh, np.tile(rgb_of(color), (len(mesh[0]), 1))) for mesh, color in (
+            (solid_mesh(run, state), SOLID_COLOR), (gas.surface_of(run, state), gas.COLOR)))
 
 
 def picture(run, shape, view, half, size=PANEL):
-    """Renders a Shape and the floor: [height][width][3] bytes."""
-    points = shape.points
+    """Renders a Shape and the floor: [height][width][3] bytes. Pockets of gas show through the liquid around them."""
     eye, focus = np.array(view["position"], float), np.array(view["focus"], float)
-    toward = eye - points if "angle" in view else np.broadcast_to(eye - focus, points.shape)
-    toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    rgb = surface.colors(shape.normals, shape.base, np.ones(len(points)), toward)
+
+    def lit(points, normals, cells, base):
+        toward = eye - points if "angle" in view else np.broadcast_to(eye - focus, points.shape)
+        toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
+        return points, cells, surface.colors(normals, base, np.ones(len(points)), toward)
+
+    def drawn(*parts):
+        first = np.cumsum([0] + [len(points) for points, _, _ in parts])
+        points, cells, rgb = zip(*parts)
+        cells = [part + start for part, start in zip(cells, first)]
+        return surface.render(*map(np.concatenate, (points, cells, rgb)), view, size)
+
     ground, corners = floor_mesh(run, focus, 1.5 * half)
-    cells = np.concatenate([shape.cells, corners + len(points)])
-    points = np.concatenate([points, ground])
-    rgb = np.concatenate([rgb, np.tile((255 * FLOOR).astype(np.uint8), (len(ground), 1))])
-    return surface.render(points, cells, rgb, view, size)
+    dry = lit(*shape.solid), (ground, corners, np.tile((255 * FLOOR).astype(np.uint8), (len(ground), 1)))
+    image = drawn(lit(*shape.liquid), *dry)
+    if len(shape.gas[2]):
+        without, within = drawn(*dry), drawn(*dry, lit(*shape.gas))
+        seen = (without != within).any(axis=2)
+        image[seen] = np.rint((1 - gas.FAINT) * image[seen] + gas.FAINT * within[seen])
+    return image

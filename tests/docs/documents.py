@@ -15,7 +15,7 @@ import runs  # noqa: E402
 
 PETSC = ("ksp_", "pc_", "mat_", "log_", "options_", "vec_", "help", "info", "malloc", "draw_", "eps_", "st_", "tao_",
          "memory_", "on_error", "fp_trap", "dm_", "sf_", "viscous_", "spectrum_", "packing_tao", "mg_", "packing_")
-PROGRAMS = ("make", "mpiexec", "chrt", "git", "apt-get", "xvfb-run", "sbatch", "podman", "docker", "apptainer")
+PROGRAMS = ("make", "mpiexec", "chrt", "git", "apt-get", "sbatch", "podman", "docker", "apptainer")
 
 
 def texts():

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""What pictures show, by their data: a made-up run whose places, units, planes and signs are known. Nothing is
-rendered: figures are looked at as matplotlib holds them, views as the camera that they ask for."""
+"""What pictures show, by their data: a made-up run whose places, units, planes and signs are known. Figures are looked
+at as matplotlib holds them, views as the camera that they ask for; windows are opened to try the display only."""
 import argparse
 import json
 import os
+import subprocess
 import sys
 import types
 
@@ -145,10 +146,10 @@ walls = {((-200, -200), (0, 300)), ((400, 400), (0, 300)), ((-200, 400), (0, 0))
 runs.check(lines == walls, "walls_of_a_section", lines)
 
 # periodic and mirror images for the surface: a point at y = 0.02 again at 0.22, one at 0.17 at -0.03, walls mirror
-points, (number,) = views.images(run, places, [np.arange(4)], 0.04)
+points, (number,) = surface.images(run, places, [np.arange(4)], 0.04)
 extra = [(0.2, 0.22, 0.2), (0.2, -0.03, 0.2)]
 runs.check(same(points[4:], extra) and sorted(number[4:]) == [2, 3], "images_for_the_surface", points[4:].tolist())
-points, _ = views.images(run, np.array([(0.39, 0.1, 0.01)]), [np.arange(1)], 0.02)
+points, _ = surface.images(run, np.array([(0.39, 0.1, 0.01)]), [np.arange(1)], 0.02)
 extra = [(0.41, 0.1, 0.01), (0.39, 0.1, -0.01), (0.41, 0.1, -0.01)]
 runs.check(same(points[1:], extra), "images_in_walls", points.tolist())
 
@@ -297,6 +298,33 @@ figure, axes = pictures.grid(1)
 gas.draw(axes[0], tank, tank.read(tank.files[1][1]), 1e3)
 runs.check([text.get_text() for text in axes[0].texts] == ["1.5 kPa"] and len(axes[0].collections) > 0,
            "gas_of_a_section", [text.get_text() for text in axes[0].texts])
+# in a view a pocket shows through the liquid where nothing else hides it: here all pixels show the number of triangles
+def drawn(*counts):
+    """The first pixel of a picture of so many triangles of liquid, solids and gas."""
+    parts = [(np.zeros((3, 3)), np.eye(3), np.zeros((n, 3), int), np.zeros((3, 3))) for n in counts]
+    return views.picture(open_below, types.SimpleNamespace(**dict(zip(("liquid", "solid", "gas"), parts))),
+                         {"position": (0, 0, 1), "focus": (0, 0, 0)}, 1)[0, 0, 0]
+
+
+open_below, render = types.SimpleNamespace(faces=[["open"] * 2] * 3), surface.render
+surface.render = lambda points, cells, *_: np.full((1, 1, 3), len(cells), np.uint8)
+close([drawn(100, 20, 60), drawn(100, 20, 0)], [0.65 * 120 + 0.35 * 80, 120], "pocket_through_liquid")
+surface.render = render
+ring = gas.surface_of(types.SimpleNamespace(scene={}), None)
+runs.check(len(ring[2]) == 0, "no_pockets_without_gas", ring)
+
+# windows one after the other, on the display that a program starts
+WINDOWS = """import sys; sys.path.insert(0, sys.argv[1])
+import display; display.with_display()
+import numpy as np, surface
+for _ in range(40):
+    image = surface.render(np.eye(3), np.array([[0, 1, 2]]), np.full((3, 3), 9, np.uint8),
+                           {"position": (2, 2, 2), "focus": (0, 0, 0), "up": (0, 0, 1), "angle": 60}, (60, 40))
+print((image == 9).sum() // 3)"""
+done = subprocess.run([sys.executable, "-c", WINDOWS, os.path.dirname(views.__file__)], text=True, check=False,
+                      stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                      env={name: value for name, value in os.environ.items() if name != "DISPLAY"})
+runs.check(done.returncode == 0 and 100 < int(done.stdout) < 60 * 40, "many_windows", done.stdout + done.stderr[-300:])
 tank.scene["options"] = [{"name": "-gas", "value": "false"}]
 runs.check(not gas.wanted(tank), "no_gas", "it was")
 
