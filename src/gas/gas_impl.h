@@ -86,13 +86,18 @@ PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[
 /* --- regions.c --- */
 
 typedef struct {
-  PetscReal amount;      /* its volume at the pressure of the open air, m^dim (m3 of rings) */
+  PetscReal amount;      /* its volume at the pressure of the open air, m^dim (m3 of rings); 0: a void, without gas */
   PetscReal tracked;     /* its volume, by its flux and the cells, m^dim */
   PetscReal pressure;    /* Pa, over that of the open air */
   PetscReal volume;      /* by the cells, m^dim */
   PetscReal center[DIM]; /* m */
 } Pocket;
 #define POCKET_NUMBERS ((PetscInt)(sizeof(Pocket) / sizeof(PetscReal)))
+
+static inline PetscBool PocketIsVoid(const Pocket *pocket)
+{
+  return (PetscBool)(pocket->amount == 0);
+}
 
 /* The numbers of the edge in a StepState. */
 typedef struct {

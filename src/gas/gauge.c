@@ -7,8 +7,9 @@ typedef struct {
 } PocketGauge;
 
 static const OptionRow options[] = {
-  {"-gauge_pockets", "Write pockets.csv: volume, pressure, amount and centre of each pocket of gas, with -gas", NULL,
-   NULL, ROW_BOOL, offsetof(PocketGauge, wanted)},
+  {"-gauge_pockets",
+   "Write pockets.csv: volume, pressure, amount and centre of each pocket of gas, with -gas; voids have the amount 0",
+   NULL, NULL, ROW_BOOL, offsetof(PocketGauge, wanted)},
   {.name = NULL},
 };
 
@@ -44,12 +45,13 @@ static PetscErrorCode Measure_Pockets(Gauges gauges, const void *data, PetscReal
   const Pockets *pockets = &RunGas(gauges)->before;
 
   PetscFunctionBegin;
-  values[0] = pockets->count;
-  values[1] = 0;
-  values[2] = pockets->count ? PETSC_MIN_REAL : NAN;
+  values[0] = values[1] = 0;
+  values[2]             = NAN;
   for (PetscInt k = 1; k <= pockets->count; k++) {
+    if (PocketIsVoid(&pockets->pocket[k])) continue;
+    values[0]++;
     values[1] += pockets->pocket[k].tracked;
-    values[2] = PetscMax(values[2], pockets->pocket[k].pressure);
+    values[2] = values[0] > 1 ? PetscMax(values[2], pockets->pocket[k].pressure) : pockets->pocket[k].pressure;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

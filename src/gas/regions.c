@@ -1,5 +1,6 @@
 /* Regions without liquid: the open air, from which a way leads to an open face of the box; pockets of gas; voids, which
-   have neither. A region that closes keeps the air in it; what opens between liquid is a void. */
+   have neither: pockets of no amount, to whose constant volume 0 couple.c takes them. A region that closes keeps the
+   air in it; what opens between liquid is a void, and so is a region that is too small. */
 #include "gas_impl.h"
 
 #define FILLED   0.5 /* cells that are filled by less are empty */
@@ -228,29 +229,32 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The pocket of region r, from the pockets and the air that had its cells; *air: its cells that were air; returns from
-   how many pockets it is. Volumes are not yet known: 'amount' and 'tracked' are without the air's, 'volume' is that
-   before. */
+/* The pocket of region r, from the pockets, voids and air that had its cells; *air: the part of these cells that was
+   air; returns from how many pockets of gas it is. Volumes are not yet known: 'amount' and 'tracked' are without the
+   air's, 'volume' is that before. */
 static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width, PetscInt r, Pocket *pocket,
-                        PetscInt *air)
+                        PetscReal *air)
 {
   PetscInt from = common[r], sources = 0;
 
-  *air    = common[r];
   *pocket = (Pocket){0};
   for (PetscInt b = 1; b <= gas->before.count; b++) {
-    const PetscInt  cells = common[b * width + r];
-    const PetscReal share = cells / (PetscReal)PetscMax(1, common[b * width + width - 1]);
+    const PetscInt  cells  = common[b * width + r];
+    const PetscReal share  = cells / (PetscReal)PetscMax(1, common[b * width + width - 1]);
+    const Pocket   *source = &gas->before.pocket[b];
 
     if (!cells) continue;
-    sources++;
     from += cells;
-    pocket->amount += share * gas->before.pocket[b].amount;
-    pocket->tracked += share * gas->before.pocket[b].tracked;
-    pocket->volume += share * gas->before.pocket[b].volume;
-    pocket->pressure += cells * gas->before.pocket[b].pressure;
+    pocket->volume += share * source->volume;
+    pocket->pressure += cells * source->pressure;
+    if (PocketIsVoid(source)) continue;
+    sources++;
+    pocket->amount += share * source->amount;
+    pocket->tracked += share * source->tracked;
   }
-  pocket->pressure /= PetscMax(1, from);
+  from = PetscMax(1, from);
+  pocket->pressure /= from;
+  *air = common[r] / (PetscReal)from;
   return sources;
 }
 
@@ -270,8 +274,8 @@ static PetscErrorCode Least(const Regions *regions, PetscInt *least)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Decides which regions are pockets and what gas they have. Without pockets before, at the start, every region that is
-   not open has gas. */
+/* Decides which regions are pockets, and what gas they have: a void has none. Without pockets before, at the start,
+   every region that is not open has gas. */
 static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
 {
   const PetscInt width  = regions->count + 1;
@@ -285,23 +289,24 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
   gas->born = gas->merged = gas->split = 0;
   if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
   for (PetscInt r = 0; r < regions->count; r++) {
-    Region  *region  = &regions->region[r];
-    Pocket   pocket  = {0};
-    PetscInt was_air = 0, sources = 0;
+    Region   *region  = &regions->region[r];
+    Pocket    pocket  = {0};
+    PetscReal was_air = 1;
+    PetscInt  sources = 0;
 
     gas->open = (PetscBool)(gas->open || region->label == GAS_AIR);
     if (region->label == GAS_AIR || region->cells < least) continue;
     if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
-    if (gas->before_known && sources + was_air == 0) continue; /* a void */
     region->label                   = ++gas->now.count;
     gas->now.pocket[gas->now.count] = pocket;
-    air[gas->now.count]             = gas->before_known ? was_air / (PetscReal)region->cells : 1;
-    gas->born += gas->before_known && sources == 0;
+    air[gas->now.count]             = was_air;
+    gas->born += gas->before_known && sources == 0 && was_air > 0;
     gas->merged += PetscMax(0, sources - 1);
   }
   for (PetscInt b = 1; b <= gas->before.count && common; b++) {
     PetscInt into = 0;
 
+    if (PocketIsVoid(&gas->before.pocket[b])) continue;
     for (PetscInt r = 0; r < regions->count; r++) into += regions->region[r].label > 0 && common[b * width + r] > 0;
     gas->split += PetscMax(0, into - 1);
     gas->ended += into == 0;
