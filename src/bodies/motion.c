@@ -225,6 +225,7 @@ static void MotionSetTime(Body body, PetscReal time)
   struct _p_Motion *m = body->motion;
 
   Pose(body, time, m->shift, m->turn);
+  for (PetscInt d = 0; d < DIM; d++) body->middle[d] = m->center[d] + m->shift[d];
   if (body->free) FreeSetTime(body, m->shift, m->turn);
 }
 

@@ -129,31 +129,55 @@ PetscReal TargetSpacing(Scene scene, const PetscReal x[DIM], const PetscReal int
   return PetscMax(domain->spacing, spacing);
 }
 
+/* What the neighbours of a cell at the edge of the grid allow that come before it in a pass: see Sweep. */
+static float LeastAtEdge(const Domain domain, const Target *t, const PetscInt at[DIM], PetscInt direction,
+                         const float step[DIM + 1])
+{
+  float least = t->value[CellIndex(t->n, at[0], at[1], at[2])];
+
+  for (PetscInt l = 0; l < BACKWARD; l++) {
+    const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
+    PetscInt       to[DIM], moves = 0;
+    PetscBool      inside = PETSC_TRUE;
+
+    for (PetscInt d = 0; d < DIM; d++) {
+      to[d] = at[d] + direction * by[d];
+      moves += by[d] != 0;
+      if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
+      inside = (PetscBool)(inside && to[d] >= 0 && to[d] < t->n[d]);
+    }
+    if (inside) least = PetscMin(least, t->value[CellIndex(t->n, to[0], to[1], to[2])] + step[moves]);
+  }
+  return least;
+}
+
 /* A pass over the cells, forwards or backwards: each takes what those before it allow. */
 static void Sweep(const Domain domain, Target *t, PetscInt direction)
 {
   const float step[DIM + 1] = {0, (float)(domain->growth * t->size), (float)(domain->growth * t->size * 4 / 3),
                                (float)(domain->growth * t->size * 5 / 3)};
+  PetscInt    offset[BACKWARD], near = 0; /* the neighbours of a cell inside the grid */
+  float       allows[BACKWARD];
 
+  for (PetscInt l = 0; l < BACKWARD; l++) {
+    const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
+
+    if (t->n[2] == 1 && by[2] != 0) continue;
+    offset[near]   = direction * CellIndex(t->n, by[0], by[1], by[2]);
+    allows[near++] = step[(by[0] != 0) + (by[1] != 0) + (by[2] != 0)];
+  }
   for (PetscInt k = 0; k < t->count; k++) {
-    const PetscInt c     = direction > 0 ? k : t->count - 1 - k;
-    float          least = t->value[c];
+    const PetscInt c      = direction > 0 ? k : t->count - 1 - k;
+    float          least  = t->value[c];
+    PetscBool      inside = PETSC_TRUE;
     PetscInt       at[DIM];
 
     CellCoordinates(t->n, c, at);
-    for (PetscInt l = 0; l < BACKWARD; l++) {
-      const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
-      PetscInt       to[DIM], moves = 0;
-      PetscBool      inside = PETSC_TRUE;
-
-      for (PetscInt d = 0; d < DIM; d++) {
-        to[d] = at[d] + direction * by[d];
-        moves += by[d] != 0;
-        if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
-        inside = (PetscBool)(inside && to[d] >= 0 && to[d] < t->n[d]);
-      }
-      if (inside) least = PetscMin(least, t->value[CellIndex(t->n, to[0], to[1], to[2])] + step[moves]);
-    }
+    for (PetscInt d = 0; d < domain->dim; d++) inside = (PetscBool)(inside && at[d] > 0 && at[d] < t->n[d] - 1);
+    if (inside)
+      for (PetscInt l = 0; l < near; l++) least = PetscMin(least, t->value[c + offset[l]] + allows[l]);
+    else
+      least = LeastAtEdge(domain, t, at, direction, step);
     t->value[c] = least;
   }
 }

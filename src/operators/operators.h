@@ -26,7 +26,7 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
   const Domain    domain = cloud->domain;
   const PetscReal reach  = cloud->size_most * KernelSupport(cloud->kernel);
 
-  if (cloud->solid_normal && SceneSolidDistance(cloud->scene, x, NULL) < reach) return PETSC_TRUE;
+  if (cloud->solid_normal && SceneSolidWithin(cloud->scene, reach, x, NULL) < reach) return PETSC_TRUE;
   for (PetscInt d = 0; d < domain->dim; d++)
     if ((domain->face[d][0] == FACE_WALL && x[d] < domain->lower[d] + reach) ||
         (domain->face[d][1] == FACE_WALL && x[d] > domain->upper[d] - reach))

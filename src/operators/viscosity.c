@@ -104,7 +104,7 @@ static PetscReal WallFactor(Cloud cloud, const Viscosity *viscosity, PetscInt a)
   PetscInt         k;
 
   if (!viscosity->no_slip) return 1;
-  if (cloud->solid_normal) nearest = SceneSolidDistance(cloud->scene, x, NULL);
+  if (cloud->solid_normal) nearest = SceneSolidWithin(cloud->scene, support, x, NULL);
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (domain->face[d][0] == FACE_WALL) nearest = PetscMin(nearest, x[d] - domain->lower[d]);
     if (domain->face[d][1] == FACE_WALL) nearest = PetscMin(nearest, domain->upper[d] - x[d]);

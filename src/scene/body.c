@@ -1,8 +1,9 @@
 /* A body: creation, view, and the functions that other folders call. */
 #include "scene_impl.h"
 
-#define WATER_DENSITY   1000.0 /* kg/m3 */
-#define WATER_VISCOSITY 1e-3   /* Pa s */
+#define WATER_DENSITY   1000.0     /* kg/m3 */
+#define WATER_VISCOSITY 1e-3       /* Pa s */
+#define BALL_EXCESS     (1 + 1e-6) /* factor of a ball about a solid: more than its rounding */
 
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body)
 {
@@ -79,6 +80,33 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM])
   if (!body->motion) return ShapeDistance(body, x);
   SolidMotion.back(body, x, y);
   return ShapeDistance(body, y);
+}
+
+void BodyFindBall(Body solid)
+{
+  PetscReal lower[DIM], upper[DIM], center[DIM], corner[DIM] = {0};
+
+  solid->shape->bounds(solid, lower, upper);
+  for (PetscInt d = 0; d < DIM && !solid->motion; d++) solid->middle[d] = 0.5 * (lower[d] + upper[d]);
+  for (PetscInt d = 0; d < DIM; d++) center[d] = solid->middle[d];
+  if (solid->motion) SolidMotion.back(solid, solid->middle, center);
+  for (PetscInt d = 0; d < solid->domain->dim; d++)
+    corner[d] = PetscMax(PetscAbsReal(lower[d] - center[d]), PetscAbsReal(upper[d] - center[d]));
+  solid->extent = Norm(corner);
+}
+
+PetscBool BodyBeyond(Body solid, PetscReal reach, const PetscReal x[DIM])
+{
+  const Domain domain = solid->domain;
+  PetscReal    r[DIM] = {0};
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal length = domain->upper[d] - domain->lower[d];
+
+    r[d] = x[d] - solid->middle[d];
+    if (domain->face[d][0] == FACE_PERIODIC) r[d] -= length * PetscFloorReal(r[d] / length + 0.5);
+  }
+  return (PetscBool)(Dot(r, r) > PetscSqr(BALL_EXCESS * (solid->extent + reach)));
 }
 
 PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM])

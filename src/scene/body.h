@@ -106,16 +106,21 @@ struct _p_Body {
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
   char                type[SCENE_NAME_LENGTH];
-  const BodyTypeOps  *kind;         /* NULL of a solid */
-  void               *type_data;    /* as shape_data */
-  PetscReal           gas_pressure; /* of a hole, Pa, at the start; 0: not given */
-  void               *wetting;      /* of a solid, as shape_data */
-  struct _p_Motion   *motion;       /* of a solid that can move; else NULL */
-  struct _p_Free     *free;         /* of a free body; else NULL */
+  const BodyTypeOps  *kind;                /* NULL of a solid */
+  void               *type_data;           /* as shape_data */
+  PetscReal           gas_pressure;        /* of a hole, Pa, at the start; 0: not given */
+  void               *wetting;             /* of a solid, as shape_data */
+  PetscReal           middle[DIM], extent; /* of a solid: a ball (m) that holds it where it is now */
+  struct _p_Motion   *motion;              /* of a solid that can move; else NULL */
+  struct _p_Free     *free;                /* of a free body; else NULL */
 };
 
 /* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */
 PetscReal ShapeDistance(Body body, const PetscReal x[DIM]);
+/* BodyFindBall - finds the extent of a solid about its middle. BodyBeyond - whether x (m) is farther than reach (m)
+   from the ball of a solid and of its periodic images. Not collective. */
+void      BodyFindBall(Body solid);
+PetscBool BodyBeyond(Body solid, PetscReal reach, const PetscReal x[DIM]);
 /* TableRead - the table of a file: *rows lines of *columns numbers, least <= *columns <= most, which rank 0 reads and
    sends to the others; *table ([rows][columns], PetscFree) is NULL if the path is empty. Sets the file's checksum.
    Skips a byte-order mark, blank lines, comments (#), and a first other line that has the names of the columns. Refuses

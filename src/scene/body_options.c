@@ -189,6 +189,7 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));
   PetscCall(SolidMotion.setup(body));
+  BodyFindBall(body);
   PetscCall(ReadWetting(body, PetscOptionsObject));
   PetscOptionsEnd();
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_bodies); k++)

@@ -310,12 +310,18 @@ const char *SceneName(Scene scene, PetscInt index)
 
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest)
 {
-  PetscReal least = PETSC_MAX_REAL;
+  return SceneSolidWithin(scene, PETSC_MAX_REAL, x, nearest);
+}
+
+PetscReal SceneSolidWithin(Scene scene, PetscReal reach, const PetscReal x[DIM], PetscInt *nearest)
+{
+  PetscReal least = reach;
 
   for (PetscInt b = 0; b < scene->solids; b++) {
-    PetscReal       y[DIM];
-    const PetscReal s = BodyNearest(scene->solid[b], x, y);
+    PetscReal y[DIM], s;
 
+    if (BodyBeyond(scene->solid[b], least, x)) continue;
+    s = BodyNearest(scene->solid[b], x, y);
     if (s < least) {
       least = s;
       if (nearest) *nearest = b;

@@ -104,6 +104,8 @@ Body      SceneSolid(Scene scene, PetscInt index); /* 0 <= index < SceneSolidCou
 /* SceneSolidDistance - signed distance (m) of x (m) to the nearest solid or periodic image of a solid, negative inside;
    PETSC_MAX_REAL without solids. nearest (may be NULL): the index of that solid. */
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest);
+/* SceneSolidWithin - the same where it is below reach (m), else reach; then nearest is left. Cheap far from solids. */
+PetscReal SceneSolidWithin(Scene scene, PetscReal reach, const PetscReal x[DIM], PetscInt *nearest);
 /* DistanceNormal - the unit normal n from differences of a signed distance around x (m). Zero where these vanish, as
    far from two surfaces outside; in the middle of a thin shape it is that of one of its faces. which: passed on to the
    distance. SceneOwnDistance is one of these functions. */

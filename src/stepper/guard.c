@@ -29,7 +29,7 @@ static PetscErrorCode GuardSolids(Stepper stepper, PetscReal distance, PetscReal
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
-    const PetscReal deep  = distance - SceneSolidDistance(cloud->scene, x + DIM * a, &solid);
+    const PetscReal deep  = distance - SceneSolidWithin(cloud->scene, distance, x + DIM * a, &solid);
     PetscReal       n[DIM], u[DIM], image[DIM], taken[DIM], inwards;
 
     if (deep <= 0) continue;

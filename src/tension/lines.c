@@ -30,7 +30,7 @@ PetscInt WallsNear(Tension tension, Cloud cloud, PetscInt a, PetscReal reach, Li
     n++;
   }
   if (!data->contact.solids) return n;
-  s = SceneSolidDistance(cloud->scene, x, &near);
+  s = SceneSolidWithin(cloud->scene, reach, x, &near);
   if (s >= reach || data->contact.solid[near].angle <= 0) return n;
   wall[n].hysteresis = data->contact.solid[near].hysteresis_force;
   wall[n].distance   = s;
