@@ -184,6 +184,23 @@ static PetscErrorCode TestTableText(void)
 
 /* A solid that moves in every way: its points stay the same distance apart, come back, and have the velocity of the
    differences of their places; the distance to it goes with it. */
+/* Within a reach the distance is that of SceneSolidDistance wherever the solid has gone: 'miss' is the largest
+   difference on a lattice over the box and around it. */
+static PetscReal WithinReach(Scene scene, PetscReal reach)
+{
+  PetscReal miss = 0;
+
+  for (PetscInt k = 0; k < 21 * 21 * 21; k++) {
+    const PetscReal x[DIM]  = {-2 + 0.2 * (PetscReal)(k % 21), -2 + 0.2 * (PetscReal)(k / 21 % 21),
+                               -2 + 0.2 * (PetscReal)(k / 441)};
+    PetscInt        nearest = -1;
+    const PetscReal s = SceneSolidDistance(scene, x, NULL), got = SceneSolidWithin(scene, reach, x, &nearest);
+
+    miss = PetscMax(miss, PetscAbsReal(got - PetscMin(s, reach)) + (PetscReal)((nearest == 0) != (s < reach)));
+  }
+  return miss;
+}
+
 static PetscErrorCode TestMotion(void)
 {
   const char *const options = CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.2,-0.1 -s_upper 0.3,0.2,0.1 "
@@ -219,6 +236,7 @@ static PetscErrorCode TestMotion(void)
   BodyMove(solid, 0, t, out);
   CHECK_CLOSE(SceneSolidDistance(scene, x, NULL), 0, 1e-12, "distance_goes_with_a_solid");
   CHECK_CLOSE(SceneSolidDistance(scene, out, NULL), 0.2, 1e-12, "distance_from_a_solid");
+  CHECK_CLOSE(WithinReach(scene, 0.25), 0, 1e-15, "distance_within_a_reach");
   BodyMove(solid, t, 0, x);
   for (PetscInt d = 0; d < DIM; d++) error = PetscMax(error, PetscAbsReal(x[d] - corner[d]) * 1e5);
   CHECK_CLOSE(error, 0, 1e-7, "motion_back");
