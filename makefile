@@ -12,7 +12,8 @@
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
 #   make bench          speed; SIZE=full: of a million particles too
 #   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
-#   make install        PREFIX=$HOME/isph: program, library, manual page, completion, options, cases, pictures, Python
+#   make install        PREFIX=$HOME/isph: program, library, manual page, completion, options, cases, pictures, Python;
+#                       make uninstall removes them
 #   make deb            a Debian package of the same: output/deb/isph_*.deb; make gallery: a static site of all cases
 #   make clean          removes what was built
 #   make targets        all others: studies, tables of the documents, sweeps; each is in the rules.mk of its folder
@@ -117,6 +118,7 @@ run-axisymmetric: packages
 PREFIX = /usr/local
 SHARE  = "$$DESTDIR$$PREFIX"/share/isph
 PYTHON_PLACE = lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")'))/dist-packages
+TOOLS = pictures/pictures pictures/film pictures/mesh pictures/report answers/answer answers/study answers/reduce
 install: $(PROGRAM) $(LIBRARIES)
 	install -D -m 755 $(PROGRAM) "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \
@@ -138,9 +140,14 @@ install: $(PROGRAM) $(LIBRARIES)
 	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
 	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1
 	$(PYTHON) options/manual.py --completion > "$$DESTDIR$$PREFIX"/share/bash-completion/completions/isph
-	for tool in pictures/pictures pictures/film pictures/mesh pictures/report answers/answer answers/study answers/reduce; do \
+	for tool in $(TOOLS); do \
 	  name="$$DESTDIR$$PREFIX"/bin/isph-$${tool#*/}; \
 	  printf '#!/bin/sh\nexec %s "%s/share/isph/%s.py" "$$@"\n' $(PYTHON) "$$PREFIX" $$tool > "$$name" && chmod 755 "$$name"; done
+
+# Removes what install puts under the same PREFIX.
+uninstall:
+	cd "$$DESTDIR$$PREFIX" && rm -rf bin/isph $(addprefix bin/isph-,$(notdir $(TOOLS))) lib/isph include/isph.h \
+	  lib/pkgconfig/isph.pc $(PYTHON_PLACE)/isph.py share/isph share/man/man1/isph.1 share/bash-completion/completions/isph
 
 # The tests. All are built with as many processes as run at a time. ONLY=NAME: those with NAME in their name; after a
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.
@@ -182,4 +189,4 @@ help:
 targets:
 	@for file in $(RULES); do echo "$$file"; sed -n 's/^# make/  make/p' "$$file"; done
 
-.PHONY: all packages run run-axisymmetric install clean help targets force
+.PHONY: all packages run run-axisymmetric install uninstall clean help targets force

@@ -45,4 +45,10 @@ for ranks, allowed in ((1, TO_ROUNDING), (2, TO_SOLVER)):
         runs.check_below(abs(float(lines[0][1]) / highest - 1), allowed, f"largest height, {ranks} ranks")
         runs.check_below(abs(max(float(line[2]) for line in lines) / fastest - 1), allowed, f"speed, {ranks} ranks")
 runs.check(sorted(os.listdir(runs.ROOT)) == before, "the example leaves no file")
+with open(os.path.join(place, "bin", "isph-other"), "w", encoding="utf-8"):
+    pass
+done = subprocess.run(["make", "-s", "uninstall", f"PREFIX={place}"], cwd=runs.ROOT, capture_output=True, text=True)
+left = [file for _, _, files in os.walk(place) for file in files]
+runs.check(done.returncode == 0 and left == ["isph-other"], "make uninstall leaves what it did not install",
+           done.stderr + str(left))
 runs.done()
