@@ -409,11 +409,18 @@ static PetscReal MotionSpeed(Body body, const PetscReal lower[DIM], const PetscR
   return Norm(m->velocity) + m->w * Norm(m->amplitude) + TurningSpeed(m->rate, arm) + TableSpeed(m, Norm(arm));
 }
 
+static void MotionJson(Body body, Json *json)
+{
+  JsonBool(json, "free", (PetscBool)(body->free != NULL));
+  JsonBool(json, "driven", (PetscBool)(body->motion && !body->free));
+}
+
 const MotionOps SolidMotion = {.rows     = {MotionOptions, FreeOptions},
                                .data     = {offsetof(struct _p_Body, motion), offsetof(struct _p_Body, free)},
                                .read     = MotionSetFromOptions,
                                .setup    = MotionSetUp,
                                .destroy  = MotionDestroy,
+                               .json     = MotionJson,
                                .check    = FreeCheck,
                                .view     = MotionView,
                                .move     = MotionSetTime,

@@ -14,6 +14,11 @@ static PetscErrorCode Create(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void WriteJson(Stepper stepper, Json *json)
+{
+  JsonReal(json, "interface_tension", SceneInterfaceTension(StepperCloud(stepper)->scene));
+}
+
 /* n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds the flow (m3/s) into a's
    liquid through a's part of the interface at the velocity v ([n_total][3], m/s) to *flow, unless this is NULL. */
 static void Normal(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM], PetscReal *flow)
@@ -89,5 +94,10 @@ static const Refusal refusals[] = {
   {.one = NULL},
 };
 
-const Edge InterfaceEdge = {
-  .name = "interface", .refusals = refusals, .on = On, .create = Create, .diagnose = Diagnose, .work = Work};
+const Edge InterfaceEdge = {.name     = "interface",
+                            .refusals = refusals,
+                            .on       = On,
+                            .json     = WriteJson,
+                            .create   = Create,
+                            .diagnose = Diagnose,
+                            .work     = Work};

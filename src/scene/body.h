@@ -63,13 +63,14 @@ typedef struct {
   void (*velocity)(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
 } BodyTypeOps;
 
-/* How solids move (bodies/). All are called for solids alone, those behind 'destroy' for one that moves. */
+/* How solids move (bodies/). All are called for solids alone, those behind 'json' for one that moves. */
 typedef struct {
   const OptionRow *rows[2]; /* tables of its options, and where in the body their data are, bytes */
   size_t           data[2];
   PetscErrorCode (*read)(Body solid, OptionItems items);
   PetscErrorCode (*setup)(Body solid); /* refuses contradictions; frees the data of a solid at rest */
   PetscErrorCode (*destroy)(Body solid);
+  void (*json)(Body solid, Json *json);                   /* members of the open object of scene.json */
   PetscErrorCode (*check)(Body solid, PetscReal density); /* density: the largest one of the liquids, kg/m3 */
   PetscErrorCode (*view)(Body solid, PetscBool tension, PetscViewer viewer);
   void (*move)(Body solid, PetscReal time); /* to its position at a time (s) */

@@ -93,9 +93,12 @@ static void WriteBody(Json *json, Scene scene, PetscInt b)
   JsonInt(json, "liquid", scene->liquid[b]);
   JsonReals(json, "velocity", scene->domain->dim, body->uniform);
   WriteChoice(json, "velocity_field", body, &body->velocity->choice, body->velocity_data);
-  JsonObject(json, "emitter");
-  if (body->type_data) WriteRows(json, body, body->kind->choice.options, body->type_data);
-  JsonEnd(json);
+  for (const Choice *const *type = BodyTypes; *type; type++) {
+    if (!(*type)->options) continue;
+    JsonObject(json, (*type)->name);
+    if (*type == &body->kind->choice) WriteRows(json, body, (*type)->options, body->type_data);
+    JsonEnd(json);
+  }
   WriteNumbers(json, scene, b);
   JsonEnd(json);
 }
@@ -108,8 +111,7 @@ static void WriteSolid(Json *json, Body body, PetscReal start, PetscReal end)
   JsonObject(json, NULL);
   WriteShape(json, body);
   WriteShapes(json, "holes", body->holes, body->hole);
-  JsonBool(json, "free", (PetscBool)(body->free != NULL));
-  JsonBool(json, "driven", (PetscBool)(body->motion && !body->free));
+  SolidMotion.json(body, json);
   JsonObject(json, "motion");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
     if (MotionData(body, k)) WriteRows(json, body, SolidMotion.rows[k], MotionData(body, k));
@@ -136,7 +138,6 @@ static void WriteForces(Json *json, Scene scene)
 void SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json)
 {
   WriteForces(json, scene);
-  JsonReal(json, "interface_tension", scene->interface_tension);
   JsonArray(json, "bodies");
   for (PetscInt b = 0; b < scene->count; b++) WriteBody(json, scene, b);
   JsonEnd(json);

@@ -87,6 +87,8 @@ typedef struct {
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
   PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
                            size_t length);
+  /* writes what it adds into the open object of scene.json, whether it is on or not. Not collective. */
+  void (*json)(Stepper stepper, Json *json);
   /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
   PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
   /* whether it can bring liquid any energy, so that the scene bounds none */

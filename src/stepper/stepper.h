@@ -104,8 +104,8 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
    -sound_mach, -sound_cfl, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
-/* StepperJson - writes the scheme, and if a step has been chosen its bounds, into the open object of scene.json. Not
-   collective. */
+/* StepperJson - writes the scheme, if a step has been chosen its bounds, and what edges add, into the open object of
+   scene.json. Not collective. */
 void StepperJson(Stepper stepper, PetscBool chosen, Json *json);
 /* StepperPrepare - sets the solver up at the present state, so that it reads all its options. Collective. */
 PetscErrorCode StepperPrepare(Stepper stepper);

@@ -341,6 +341,8 @@ void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
   for (PetscInt k = 0; k < STEP_BOUNDS && chosen; k++) JsonReal(json, all[k].name, all[k].step);
   if (chosen) JsonText(json, "binds", n > 0 ? rows[0].name : NULL);
   JsonEnd(json);
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->json) (*edge)->json(stepper, json);
 }
 
 PetscReal StepperReferenceVelocity(Stepper stepper)
