@@ -447,6 +447,16 @@ PetscErrorCode OptionsRead(OptionItems items, const OptionRow rows[], const char
   return OptionsReadVectors(items, rows, place, data, NULL, NULL);
 }
 
+PetscErrorCode OptionsReadBlock(MPI_Comm comm, const char title[], const OptionRow rows[], const char place[],
+                                void *data)
+{
+  PetscFunctionBegin;
+  PetscOptionsBegin(comm, NULL, title, place);
+  PetscCall(OptionsRead(PetscOptionsObject, rows, place, data));
+  PetscOptionsEnd();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode OptionsNote(const char prefix[], const char why[], const OptionRow rows[])
 {
   char before[OPTION_NAME_LENGTH];

@@ -67,10 +67,13 @@ struct Choice {
 
 /* OptionsRead - reads the rows of a table into a struct, whose values are the defaults, inside a PetscOptionsBegin
    block; refuses (UserError) a value outside its interval or its words. place: the function that -help names. Each row
-   is noted. OptionsReadVectors - the same; 'vector' reads the rows of vectors. Collective. */
+   is noted. OptionsReadBlock - the same in a block of its own. OptionsReadVectors - OptionsRead where 'vector' reads
+   the rows of vectors. Collective. */
 typedef PetscErrorCode (*OptionVector)(void *context, OptionItems items, const OptionRow *row, const char help[],
                                        const char place[], PetscReal value[DIM]);
 PetscErrorCode OptionsRead(OptionItems items, const OptionRow rows[], const char place[], void *data);
+PetscErrorCode OptionsReadBlock(MPI_Comm comm, const char title[], const OptionRow rows[], const char place[],
+                                void *data);
 PetscErrorCode OptionsReadVectors(OptionItems items, const OptionRow rows[], const char place[], void *data,
                                   OptionVector vector, void *context);
 /* OptionsNote - notes the rows of a table as options that belong to a choice that is not made. Collective.

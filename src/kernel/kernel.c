@@ -83,9 +83,7 @@ PetscErrorCode KernelSetFromOptions(Kernel kernel, PetscReal spacing)
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(given.type, KernelType(kernel), sizeof(given.type)));
-  PetscOptionsBegin(kernel->comm, NULL, "Kernel", "Kernel");
-  PetscCall(OptionsRead(PetscOptionsObject, options, "KernelSetFromOptions", &given));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(kernel->comm, "Kernel", options, "KernelSetFromOptions", &given));
   PetscCall(KernelSetType(kernel, given.type));
   PetscCall(KernelSetSmoothingLength(kernel, given.ratio * spacing));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -46,9 +46,7 @@ PetscErrorCode CloudSetFromOptions(Cloud cloud)
 {
   PetscFunctionBegin;
   cloud->slack /= cloud->domain->spacing_coarse; /* in spacings, for the user */
-  PetscOptionsBegin(cloud->comm, NULL, "Neighbours and domain decomposition", "Cloud");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, cloud));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(cloud->comm, "Neighbours and domain decomposition", options, __func__, cloud));
   cloud->slack *= cloud->domain->spacing_coarse;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

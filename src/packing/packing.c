@@ -36,9 +36,7 @@ static PetscErrorCode ReadType(void *object, const Choice *choice)
   PetscFunctionBegin;
   PetscCall(SetType(packing, choice));
   PetscCall(PetscSNPrintf(title, sizeof(title), "Packing with -packing_type %s", choice->name));
-  PetscOptionsBegin(packing->cloud->comm, NULL, title, "Packing");
-  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "PackingSetFromOptions", packing->data));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(packing->cloud->comm, title, choice->options, "PackingSetFromOptions", packing->data));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,9 +60,7 @@ PetscErrorCode PackingSetFromOptions(Packing packing)
   const Choice  *choice;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Packing", "Packing");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, packing));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(comm, "Packing", options, __func__, packing));
   PetscCall(ChoiceFind(comm, Packings, "-packing_type", packing->type, &choice));
   PetscCall(ChoicesRead(Packings, "-packing_type", NULL, choice, OptionsAll(), ReadType, packing));
   PetscFunctionReturn(PETSC_SUCCESS);

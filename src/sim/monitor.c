@@ -19,9 +19,7 @@ PetscErrorCode MonitorSetFromOptions(Sim sim)
   char              wanted[PETSC_MAX_PATH_LEN] = "";
 
   PetscFunctionBegin;
-  PetscOptionsBegin(sim->comm, NULL, "Monitor", "Sim");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, wanted));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(sim->comm, "Monitor", options, __func__, wanted));
   PetscCall(PetscOptionsGetViewer(sim->comm, NULL, NULL, "-monitor", &sim->monitor, &format, &set));
   if (!set || !sim->monitor) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscObjectTypeCompare((PetscObject)sim->monitor, PETSCVIEWERDRAW, &sim->monitor_draw));

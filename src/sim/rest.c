@@ -26,9 +26,7 @@ PetscErrorCode RestSetFromOptions(Sim sim)
   PetscBool  alone;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(sim->comm, NULL, "End at rest", "Sim");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, &rest->names));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(sim->comm, "End at rest", options, __func__, &rest->names));
   PetscCall(PetscOptionsHasName(NULL, NULL, options[0].name, &alone));
   if (rest->names.count) alone = PETSC_FALSE;
   for (size_t k = 0; alone && k < PETSC_STATIC_ARRAY_LENGTH(energies); k++)

@@ -91,12 +91,8 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscMPIInt size;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(sim->comm, NULL, "Run", "Sim");
-  PetscCall(OptionsRead(PetscOptionsObject, options, "SimSetFromOptions", sim));
-  PetscOptionsEnd();
-  PetscOptionsBegin(sim->comm, NULL, DEEDS, "Sim");
-  PetscCall(OptionsRead(PetscOptionsObject, deeds, "SimSetFromOptions", sim));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(sim->comm, "Run", options, "SimSetFromOptions", sim));
+  PetscCall(OptionsReadBlock(sim->comm, DEEDS, deeds, "SimSetFromOptions", sim));
   sim->has_end = OptionFind("-time_end")->given;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-output_dir", &sim->writes));
   if (!sim->embedded) sim->writes = PETSC_TRUE;
@@ -196,8 +192,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(GaugesCreate(sim->cloud, &sim->gauges));
   GaugesSetRun(sim->gauges, sim->stepper);
   PetscCall(GaugesSetFromOptions(sim->gauges));
-  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), sim->pressure,
-                  TensionOnSurface(sim->tension));
+  GaugesSetForces(sim->gauges, StepperViscosity(sim->stepper), sim->pressure, TensionOnSurface(sim->tension));
   GaugesSetRefresh(sim->gauges, RefreshSums, sim->stepper);
   PetscCall(OutputCreate(sim->cloud, sim->gauges, &sim->output));
   PetscCall(OutputSetFromOptions(sim->output));

@@ -22,9 +22,7 @@ static const OptionRow options[] = {
 PetscErrorCode SpectrumSetFromOptions(Spectrum s)
 {
   PetscFunctionBegin;
-  PetscOptionsBegin(s->cloud->comm, NULL, "Spectrum", "Spectrum");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, s));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(s->cloud->comm, "Spectrum", options, __func__, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -95,9 +95,7 @@ static PetscErrorCode SetSchemeFromOptions(Stepper s)
   const Choice *choice;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(s->cloud->comm, NULL, "Scheme", "Stepper");
-  PetscCall(OptionsRead(PetscOptionsObject, schemes, "StepperSetFromOptions", s));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(s->cloud->comm, "Scheme", schemes, "StepperSetFromOptions", s));
   PetscCall(ChoiceFind(s->cloud->comm, Schemes, "-scheme", s->scheme_type, &choice));
   PetscCall(ChoicesRead(Schemes, "-scheme", NULL, choice, OptionsAll(), ReadScheme, s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -146,9 +144,7 @@ static const OptionRow checks[] = {
 static PetscErrorCode SetTrialFromOptions(Stepper s)
 {
   PetscFunctionBegin;
-  PetscOptionsBegin(s->cloud->comm, NULL, "Checks of a step", "Stepper");
-  PetscCall(OptionsRead(PetscOptionsObject, checks, "StepperSetFromOptions", s));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(s->cloud->comm, "Checks of a step", checks, "StepperSetFromOptions", s));
   PetscCall(CheckDensities(s));
   s->trial.at_hand = StepperEnergyAtHand(s);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -39,9 +39,7 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   TimeStepLimits *limits = &stepper->limits;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(comm, NULL, "Time step", "Stepper");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, limits));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(comm, "Time step", options, __func__, limits));
   PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
                  "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
                  (double)limits->max);

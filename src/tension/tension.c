@@ -75,9 +75,7 @@ PetscErrorCode TensionSetFromOptions(Tension tension)
   const Choice *choice;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(tension->comm, NULL, "Surface tension", "Tension");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, tension));
-  PetscOptionsEnd();
+  PetscCall(OptionsReadBlock(tension->comm, "Surface tension", options, __func__, tension));
   PetscCall(ChoiceFind(tension->comm, Models, "-tension_type", tension->type, &choice));
   PetscCall(ChoicesRead(Models, "-tension_type", NULL, choice, OptionsAll(), ReadModel, tension));
   if (!tension->model->apply) tension->active = PETSC_FALSE;
