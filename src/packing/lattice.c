@@ -333,9 +333,10 @@ void LatticeShake(Packing packing, PetscReal spacing, Sample *sample)
   const Domain             domain = packing->cloud->domain;
   const Body               body   = SceneBody(packing->cloud->scene, sample->body);
   const unsigned long long seed   = (unsigned long long)packing->seed;
-  const PetscBool rough = (PetscBool)(packing->rough || PetscAbsReal(BodyDistance(body, sample->x)) < spacing ||
+  const PetscBool rough  = (PetscBool)(packing->rough || PetscAbsReal(BodyDistance(body, sample->x)) < spacing ||
                                       BodyHolds(body, sample->x, 0.5 * spacing));
-  const PetscReal share = rough ? ROUGH_JITTER : 1, jitter = share * LatticeJitter(packing) * spacing;
+  const PetscReal share  = rough ? ROUGH_JITTER : 1,
+                  jitter = share * ((const LatticeData *)packing->data)->jitter * spacing;
 
   for (PetscInt d = 0; d < domain->dim; d++)
     sample->x[d] += jitter * (2 * RandomUnit(seed, (unsigned long long)sample->id * DIM + (unsigned long long)d) - 1);
@@ -413,11 +414,6 @@ static const OptionRow options[] = {
 static void Defaults(void *owner)
 {
   ((LatticeData *)((Packing)owner)->data)->jitter = 0.2; /* 0.1, once evened out, lets a drop that is stretched swell */
-}
-
-PetscReal LatticeJitter(Packing packing)
-{
-  return ((LatticeData *)packing->data)->jitter;
 }
 
 const PackingOps PackingLattice = {.choice = {"lattice", sizeof(LatticeData), options, Defaults, NULL},

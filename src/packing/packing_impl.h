@@ -58,13 +58,11 @@ static inline void LatticePoint(const Lattice *lattice, PetscInt point, PetscRea
    lattice.c. Not collective. */
 void LatticeOfBox(Domain domain, PetscReal spacing, Lattice *lattice);
 void LatticeOfBody(Domain domain, PetscReal spacing, Body body, Lattice *lattice);
-/* LatticeJitter - -packing_jitter of a lattice packing (spacings), 0 for other packings. LatticeShake - displaces a
-   sample of a body at random, by at most the jitter times its own spacing (m), ROUGH_JITTER of it within a spacing of
-   the body's surface, where the body holds its liquid and with PackingSetRough, and into the box. LatticeFit - finds
-   the level of each body (FitLevel), and length: the length (m) of all rings of each body, its volume over the area of
-   a lattice cell. Collective. LatticeBelongs - whether point number 'point' of body b's lattice, at x (m), is a
-   particle of the body. Not collective. */
-PetscReal      LatticeJitter(Packing packing);
+/* LatticeShake - displaces a sample of a body at random, by at most the jitter times its own spacing (m), ROUGH_JITTER
+   of it within a spacing of the body's surface, where the body holds its liquid and with PackingSetRough, and into the
+   box. LatticeFit - finds the level of each body (FitLevel), and length: the length (m) of all rings of each body, its
+   volume over the area of a lattice cell. Collective. LatticeBelongs - whether point number 'point' of body b's
+   lattice, at x (m), is a particle of the body. Not collective. */
 void           LatticeShake(Packing packing, PetscReal spacing, Sample *sample);
 PetscErrorCode LatticeFit(Packing packing, PetscReal level[SCENE_MAX_BODIES], PetscReal length[SCENE_MAX_BODIES]);
 PetscBool LatticeBelongs(Packing packing, const PetscReal level[], PetscInt b, PetscInt point, const PetscReal x[DIM]);

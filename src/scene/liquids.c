@@ -45,11 +45,6 @@ static PetscErrorCode CheckTensions(Scene scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef struct {
-  PetscInt count;
-  char    *name[SCENE_MAX_BODIES];
-} Names;
-
 static const OptionRow two[] = {
   {"-interface_tension", "Tension of the interface between two liquids; 0: they mix", "N/m", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Scene, interface_tension)},

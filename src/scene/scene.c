@@ -1,6 +1,7 @@
 /* The scene: its named bodies, the registered shapes, and the body forces. */
 #include "scene_impl.h"
 #include <ctype.h>
+#include <string.h>
 
 #define NORMAL_STEP   0.1  /* of the differences that give a normal, spacings */
 #define RIDGE         1e-3 /* of the step: differences below this vanish */
@@ -26,11 +27,7 @@ PetscErrorCode SceneDestroy(Scene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The names of bodies, solids and regions, to be freed. */
-typedef struct {
-  PetscInt count;
-  char    *name[SCENE_MAX_BODIES];
-} Names;
+/* The names of bodies, solids and regions. */
 typedef struct {
   Names bodies, solids, fine;
 } SceneWords;
@@ -93,6 +90,13 @@ static PetscErrorCode ReadScene(Scene scene, SceneWords *names)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasName(PetscInt n, const Body body[], const char name[])
+{
+  for (PetscInt k = 0; k < n; k++)
+    if (!strcmp(body[k]->name, name)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Refuses a name that is no identifier, appears twice or collides with the options of the box. */
 static PetscErrorCode CheckName(Scene scene, const char option[], const char name[])
 {
@@ -113,10 +117,9 @@ static PetscErrorCode CheckName(Scene scene, const char option[], const char nam
   PetscCall(PetscStrcmp(name, "box", &same));
   if (!same) PetscCall(PetscStrncmp(name, "box_", 4, &same));
   PetscCheckUser(!same, comm, "%s: the name %s is taken: -box_... are the options of the box", option, name);
-  for (PetscInt b = 0; b < SceneNames(scene); b++) {
-    PetscCall(PetscStrcmp(name, SceneName(scene, b), &same));
-    PetscCheckUser(!same, comm, "%s: the name %s appears twice", option, name);
-  }
+  PetscCheckUser(!HasName(scene->count, scene->body, name) && !HasName(scene->solids, scene->solid, name) &&
+                   !HasName(scene->fine_regions, scene->fine, name),
+                 comm, "%s: the name %s appears twice", option, name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -294,18 +297,6 @@ PetscBool SceneComesLater(Scene scene)
 Body SceneSolid(Scene scene, PetscInt index)
 {
   return scene->solid[index];
-}
-
-PetscInt SceneNames(Scene scene)
-{
-  return scene->count + scene->solids + scene->fine_regions;
-}
-
-const char *SceneName(Scene scene, PetscInt index)
-{
-  const PetscInt solid = index - scene->count, region = solid - scene->solids;
-
-  return solid < 0 ? scene->body[index]->name : region < 0 ? scene->solid[solid]->name : scene->fine[region]->name;
 }
 
 PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *nearest)

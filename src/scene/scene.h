@@ -130,9 +130,6 @@ PetscReal SceneSolidSpeed(Scene scene);
 /* SceneSpacing - the graded particle spacing (m) at x (m): -spacing plus -spacing_growth times the distance from the
    regions of -fine, at most -spacing_coarse; at most what adapts it wants there. */
 PetscReal SceneSpacing(Scene scene, const PetscReal x[DIM]);
-/* SceneNames, SceneName - count and names of the bodies, then the solids, then the regions of -fine. */
-PetscInt    SceneNames(Scene scene);
-const char *SceneName(Scene scene, PetscInt index);
 /* BodyDistance - signed distance (m) of x (m) to the surface of the shape, negative inside. The box does not cut the
    shape here. */
 PetscReal BodyDistance(Body body, const PetscReal x[DIM]);

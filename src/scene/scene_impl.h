@@ -4,6 +4,12 @@
 
 #include "body.h"
 
+/* Names of an option, to be freed. */
+typedef struct {
+  PetscInt count;
+  char    *name[SCENE_MAX_BODIES];
+} Names;
+
 struct _p_Scene {
   Domain        domain; /* borrowed */
   PetscInt      count;
@@ -49,10 +55,9 @@ PetscErrorCode SceneInterfaceBodies(Scene scene, char names[], size_t length);
 /* LiquidsView - prints the interface. Warns if a liquid or gas spreads between the other two. Collective. */
 PetscErrorCode LiquidsView(Scene scene, PetscViewer viewer);
 /* BodyCreate - creates a body of water at rest that fills the box. BodySetFromOptions - reads the options -<b>_* and
-   refuses (UserError) wrong values. BodyHelp - makes -help list the options, see SceneHelp. Collective. */
+   refuses (UserError) wrong values. Collective. */
 PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body *body);
 PetscErrorCode BodySetFromOptions(Body body);
-PetscErrorCode BodyHelp(MPI_Comm comm);
 /* SolidSetFromOptions - reads shape, motion and contact angle of a solid. Collective. */
 PetscErrorCode SolidSetFromOptions(Body body);
 /* FrameCheck - completes the angular velocity of the frame, and refuses (UserError) gravity and faces that are not

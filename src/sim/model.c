@@ -498,7 +498,8 @@ void ModelFind(Sim sim, SceneModel *found)
   for (PetscInt d = DomainFirstStraight(domain); d < domain->dim; d++) FindMirror(&model, d, found);
 }
 
-PetscBool ModelCheaper(const SceneModel *found)
+/* Whether a model is cheaper than the scene as it is. */
+static PetscBool Cheaper(const SceneModel *found)
 {
   for (PetscInt d = 0; d < DIM; d++)
     if (found->revolution[d].holds || found->mirror[d].holds || found->uniform[d].holds) return PETSC_TRUE;
@@ -552,8 +553,8 @@ PetscErrorCode ModelPrint(Sim sim, const SceneModel *found)
   for (PetscInt f = 0; f < MODEL_FORCES; f++)
     if (found->force[f].vain)
       PetscCall(PetscPrintf(sim->comm, "  %s: cannot matter: %s\n", found->force[f].name, found->force[f].why));
-  PetscCall(PetscPrintf(sim->comm, ModelCheaper(found) ? "  make reduce SCENE=my.opts writes the cheaper scene\n"
-                                                       : "  nothing cheaper than the scene as it is\n"));
+  PetscCall(PetscPrintf(sim->comm, Cheaper(found) ? "  make reduce SCENE=my.opts writes the cheaper scene\n"
+                                                  : "  nothing cheaper than the scene as it is\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

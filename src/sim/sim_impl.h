@@ -158,10 +158,9 @@ typedef struct {
   Uniform     uniform[DIM]; /* along: a plane */
   ForceFound  force[MODEL_FORCES];
 } SceneModel;
-/* ModelFind - finds the models that hold for the scene. ModelCheaper - whether one is cheaper than the scene as it is.
-   ModelJson - writes them into the open object of scene.json. Not collective. ModelPrint - prints them. Collective. */
+/* ModelFind - finds the models that hold for the scene. ModelJson - writes them into the open object of
+   scene.json. Not collective. ModelPrint - prints them. Collective. */
 void           ModelFind(Sim sim, SceneModel *found);
-PetscBool      ModelCheaper(const SceneModel *found);
 void           ModelJson(Sim sim, const SceneModel *found, Json *json);
 PetscErrorCode ModelPrint(Sim sim, const SceneModel *found);
 /* SceneFileWrite - writes scene.json, what the program knows about the scene (options/scene_json.md), into a file, or
