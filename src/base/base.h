@@ -204,7 +204,10 @@ void InterruptAlive(const char doing[]);
 void InterruptCheckpoint(const char path[]);
 
 /* GatherAll - all: the address of an array (free it with PetscFree) that gets the n numbers 'own' of each rank, in the
-   order of the ranks; *total: how many. Collective. */
+   order of the ranks; *total: how many. GatherTo - the same, or unless 'every' on rank 0 alone: none elsewhere.
+   Collective. */
+PetscErrorCode GatherTo(MPI_Comm comm, PetscBool every, PetscInt n, const void *own, MPI_Datatype type, PetscInt *total,
+                        void *all);
 PetscErrorCode GatherAll(MPI_Comm comm, PetscInt n, const void *own, MPI_Datatype type, PetscInt *total, void *all);
 /* FormatDuration - "2 h 05 min", "3 min 20 s" or "12 s". Not collective. */
 PetscErrorCode FormatDuration(double seconds, char text[], size_t length);

@@ -118,22 +118,14 @@ static PetscErrorCode LabelPieces(Gauges gauges, PetscReal label[], PetscInt *co
   Cloud           cloud = gauges->cloud;
   const PetscReal touch = 0.5 * CONNECTION * cloud->domain->spacing; /* half the distance to the image */
   Piece          *own;
-  PetscMPIInt     send, *number = NULL, *start = NULL, total = 0;
+  PetscInt        total;
 
   PetscFunctionBegin;
   PetscCall(ConnectedLabels(gauges, label));
   PetscCall(PetscMalloc1(cloud->n_fluid, &own));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
-  send = PIECE_REALS * (PetscMPIInt)Merge(cloud->n_fluid, own);
-  PetscCall(PetscMalloc2(gauges->size, &number, gauges->size, &start));
-  PetscCallMPI(MPI_Gather(&send, 1, MPI_INT, number, 1, MPI_INT, 0, gauges->comm));
-  for (PetscMPIInt r = 0; r < gauges->size && !gauges->rank; r++) {
-    start[r] = total;
-    total += number[r];
-  }
-  PetscCall(PetscMalloc1(total / PIECE_REALS, piece));
-  PetscCallMPI(MPI_Gatherv(own, send, MPIU_REAL, *piece, number, start, MPIU_REAL, 0, gauges->comm));
-  PetscCall(PetscFree2(number, start));
+  PetscCall(
+    GatherTo(gauges->comm, PETSC_FALSE, PIECE_REALS * Merge(cloud->n_fluid, own), own, MPIU_REAL, &total, piece));
   PetscCall(PetscFree(own));
   *count = Merge(total / PIECE_REALS, *piece);
   for (PetscInt k = 0; k < *count; k++) FinishPiece(gauges, &(*piece)[k]);

@@ -205,7 +205,8 @@ static PetscErrorCode Picture(Sim sim)
   const Domain    domain = sim->domain;
   const PetscReal middle = 0.5 * (domain->lower[1] + domain->upper[1]);
   const PetscInt  up     = domain->dim - 1;
-  PetscMPIInt     size, rank, n = 0, *count, *place, total = 0;
+  PetscMPIInt     rank;
+  PetscInt        n = 0, total;
   double         *own, *all;
   ParticleArrays  arrays;
   char            path[PETSC_MAX_PATH_LEN];
@@ -213,7 +214,6 @@ static PetscErrorCode Picture(Sim sim)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(sim->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(sim->comm, &size));
   PetscCall(ParticlesOpen(sim->particles, &arrays));
   PetscCall(PetscMalloc1(DRAWN * arrays.n, &own));
   for (PetscInt a = 0; a < arrays.n; a++) {
@@ -227,18 +227,10 @@ static PetscErrorCode Picture(Sim sim)
     own[n++] = (double)wide;
   }
   PetscCall(ParticlesClose(sim->particles, &arrays));
-  PetscCall(PetscMalloc2(size, &count, size, &place));
-  PetscCallMPI(MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, sim->comm));
-  for (PetscMPIInt r = 0; r < size && !rank; r++) {
-    place[r] = total;
-    total += count[r];
-  }
-  PetscCall(PetscMalloc1(total, &all));
-  PetscCallMPI(MPI_Gatherv(own, n, MPI_DOUBLE, all, count, place, MPI_DOUBLE, 0, sim->comm));
+  PetscCall(GatherTo(sim->comm, PETSC_FALSE, n, own, MPI_DOUBLE, &total, &all));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.svg", OutputFolder(sim->output)));
   if (!rank) error = Draw(sim, path, total / DRAWN, all);
   PetscCall(PetscFree(all));
-  PetscCall(PetscFree2(count, place));
   PetscCall(PetscFree(own));
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));
   PetscCheckUser(!error, sim->comm, "cannot write the picture %s: %s", path, strerror(error));
