@@ -232,7 +232,8 @@ ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", T
 ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=RINGS),
             Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"),
             Entry("breathing_bubble", "graded rings", file="deep.opts"), Entry("rising_bubble"),
-            Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle")]
+            Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle"),
+            Entry("gas_piston"), Entry("gas_piston", "3-d", file="case_3d.opts")]
 ENTRIES += [Entry("rising_bubble", f"rings, M {morton}", f"-liquid_viscosity {viscosity}", file=RINGS)
             for morton, viscosity in ((848, 0.1527), (266, 0.1143), (41.1, 0.0716), (5.51, 0.0433))]
 
@@ -255,8 +256,8 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "column", "turning_box", "dragged_cylinder",
-                "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "coated_plate", "honey",
-                "floating_box", "two_liquids"}
+                "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "gas_piston", "coated_plate",
+                "honey", "floating_box", "two_liquids"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
