@@ -220,15 +220,29 @@ class Proof:
         self.start, self.end, self.spent, self.whole = known["time_start"], known["time_end"], 0.0, None
         self.price = None  # (spacing, s of a run there) of the reduced scene
 
-    def runs(self, scene, name, more):
-        """The runs of a scene that ended well, with PAIR packings; else the reason."""
-        made = [launch.Run(scene, more + ["-spacing", f"{self.spacing:.6g}", "-packing_seed",
+    def pair(self, scene, name, more, share=1.0):
+        """Runs of a scene with PAIR packings, of at most this share of the budget each."""
+        return [launch.Run(scene, more + ["-spacing", f"{self.spacing:.6g}", "-packing_seed",
                                           str(seed_of(self.known) + k)],
-                           os.path.join(self.arguments.output, "proof", f"{name}_{k}"), self.arguments.budget)
+                           os.path.join(self.arguments.output, "proof", f"{name}_{k}"), share * self.arguments.budget)
                 for k in range(PAIR)]
+
+    def go(self, made):
+        """The runs that ended well; else the reason."""
         launch.together(made, self.arguments.jobs)
         self.spent += sum(run.cpu for run in made)
         return [run for run in made if run.series], next((run.reason for run in made if run.reason), "")
+
+    def reduced(self, path):
+        """The runs of the reduced scene, or the reason. Where cores are free the whole scene runs beside them, to its
+        end, unless that takes more than its share of the budget."""
+        made, beside = self.pair(path, "reduced", quantity.ends(self.quantities, self.known)), []
+        if self.whole is None and self.arguments.jobs >= 2 * PAIR:
+            beside = self.pair(self.scene, "whole", [], PROOF / PAIR)
+        good, why = self.go(made + beside)
+        if beside and all(run.series for run in beside):
+            self.whole = beside, self.end
+        return [run for run in good if run in made], why
 
     def short(self, way, made):
         """The time until which the whole scene is run: that of the scene, unless it costs more than PROOF of the
@@ -243,16 +257,16 @@ class Proof:
 
     def judge(self, way, path):
         """(whether the reduced scene gives what the whole does, in words)."""
-        part, why = self.runs(path, "reduced", quantity.ends(self.quantities, self.known))
+        part, why = self.reduced(path)
         if not part:
             return False, f"the reduced scene does not run at {self.spacing:.3g} m: {why}"
         self.price = self.spacing, ladder.mean([run.cpu for run in part])
-        end, why = self.short(way, part)
+        end, why = self.short(way, part) if self.whole is None or self.whole[1] != self.end else (self.end, "")
         if why:
             return None, why
         if self.whole is None or self.whole[1] != end:
             until = ["-time_end", f"{end:.9g}"] if end is not None else []
-            self.whole = self.runs(self.scene, "whole", until)[0], end
+            self.whole = self.go(self.pair(self.scene, "whole", until))[0], end
         whole = self.whole[0]
         if not whole:
             return None, f"not proved: the whole scene does not run at {self.spacing:.3g} m"

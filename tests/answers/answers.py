@@ -312,6 +312,30 @@ def figure(rows):
         runs.check_within(q.of(run.series) / value, 0.93, 1.07, f"{name}_carried_back")
 
 
+def beside(path, q, arguments, known, way):
+    """Where cores are free whole and reduced run at once, and the verdict is the same; a whole that did not come to its
+    end there runs again, for the time that is due."""
+    real, words = launch.together, []
+    for jobs, fails, due in ((2, False, [2, 2]), (4, False, [4]), (4, True, [4, 2])):
+        calls = []
+
+        def counting(made, most, ranks=1):
+            done = real(made, most, ranks)
+            for run in made[2:] if fails else ():
+                run.series = None
+            calls.append(len(made))
+            return done
+
+        arguments.jobs, arguments.budget, arguments.output = jobs, PLENTY, runs.scratch(f"beside_{jobs}_{fails}")
+        os.makedirs(arguments.output)
+        launch.together = counting
+        words.append(answer.Proof(path, [q], arguments, known).judge(
+            way, answer.write(os.path.join(arguments.output, "other.opts"), way, path))[1])
+        launch.together = real
+        runs.check(calls == due, f"runs_at_once_{jobs}_{fails}", str(calls))
+    runs.check(words[0] == words[1] == words[2] and "differ" in words[0], "verdict_beside", str(words))
+
+
 def figures():
     """Figures are carried back; a wrong model is found out."""
     figure(FIGURES)
@@ -326,6 +350,7 @@ def figures():
         good, words = answer.Proof(path, [q], arguments, known).judge(
             way, answer.write(os.path.join(arguments.output, "other.opts"), way, path))
         runs.check(good == due and ("agree" if due else "differ") in words, f"proof_of_{share:g}_gravity", words)
+    beside(path, q, arguments, known, way)
     path, (q,), arguments, known = asked("second", TANK.format("0.3"), "force_zmin_z:mean=0.1,0.2", PLENTY)
     ways, reduce.ways = reduce.ways, lambda *_: [(reduce.Way(
         [(name, f"0,0,{-9.81 * share}" if name == "gravity" else value) for name, value in whole], f"{share} of g",

@@ -19,7 +19,7 @@ SCENES = (
     "-h_center 0.7,0.7 -s_oscillation_amplitude 0.1,0 -s_oscillation_frequency 1000 -a_holes k -k_shape sphere "
     "-k_radius 0.2",
     FLAT + "-spacing_coarse 0.2 -fine r -r_shape sphere -r_radius 0.3",
-    FLAT + "-a_tension 0.07 -box_ymin wall -wall_contact_angle 60 -wall_contact_hysteresis 20 -a_velocity 0,-1",
+    FLAT + "-a_tension 0.07 -box_ymin wall -wall_contact_angle 60 -wall_contact_hysteresis 20 -a_velocity 0,-2",
     FLAT + "-bodies a,b -b_type emitter -b_velocity 0,-1 -b_lower -0.3,0.6 -b_upper 0.3,0.9 -a_viscosity_model carreau "
     "-a_viscosity_time 1 -a_viscosity_exponent 0.5 -a_velocity_type rotation -a_rotation_rate 1 -gravity 0,0 "
     "-frame_rotation_rate 1",
@@ -96,10 +96,10 @@ runs.check(solid["driven"] and not solid["free"] and solid["motion"]["oscillatio
 runs.check(math.isclose(solid["lower"][0], 0.5) and solid["shape"]["numbers"]["radius"] == 0.2, "bounds",
            str(solid["lower"]))
 numbers = {n["name"]: n for n in drop["bodies"][0]["dimensionless"]}
-for name, value in (("Re", 1e6), ("We", 1000 / 0.07), ("Fr", 1 / 9.81), ("Bo", 9810 / 0.07), ("Ca", 1e-3 / 0.07),
+for name, value in (("Re", 2e6), ("We", 4000 / 0.07), ("Fr", 4 / 9.81), ("Bo", 9810 / 0.07), ("Ca", 2e-3 / 0.07),
                     ("Oh", 1e-3 / math.sqrt(1000 * 0.07))):
     runs.check_within(numbers[name]["value"], value * (1 - 1e-12), value * (1 + 1e-12), f"number_{name}")
-runs.check(numbers["Re"]["length"] == 1 and numbers["Re"]["speed"] == 1, "length_and_speed", str(numbers["Re"]))
+runs.check(numbers["Re"]["length"] == 1 and numbers["Re"]["speed"] == 2, "length_and_speed", str(numbers["Re"]))
 angles = {a["name"]: a for a in drop["tension"]["contact_angles"]}
 runs.check(list(angles) == ["ymin"], "angles", str(angles))
 runs.check_within(angles["ymin"]["receding"], 50 - 1e-9, 50 + 1e-9, "receding")
