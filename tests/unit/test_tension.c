@@ -85,15 +85,16 @@ static PetscBool InSlopedFoot(const PetscReal x[DIM], const PetscReal number[])
 
 static PetscBool InRoundCap(const PetscReal x[DIM], const PetscReal number[])
 {
-  const PetscReal away   = number[0] * PetscSqrtReal(2 - 2 * PetscCosReal(number[1] * PETSC_PI / 180)),
+  const PetscReal R = number[0], ball = number[2], angle = number[1] * PETSC_PI / 180,
+                  away   = PetscSqrtReal(R * R + ball * ball - 2 * R * ball * PetscCosReal(angle)),
                   r[DIM] = {x[0], x[1] - away, 0};
 
-  return (PetscBool)(Norm(x) > number[0] && Norm(r) < number[0]);
+  return (PetscBool)(Norm(x) > ball && Norm(r) < R);
 }
 
 static PetscBool InRoundFoot(const PetscReal x[DIM], const PetscReal number[])
 {
-  return (PetscBool)(Norm(x) < number[0] + 5);
+  return (PetscBool)(Norm(x) < number[2] + 5);
 }
 
 /* The points of a lattice with cells centered at (i + 1/2) in a block of n[d] cells a direction about 'middle' that are
@@ -419,7 +420,8 @@ static PetscErrorCode TestContact(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same of circles on a solid plane at 45 degrees to the lattice and on a solid circle as large as they are. */
+/* The same of circles on a solid plane at 45 degrees to the lattice, on a solid circle as large as they are, and on one
+   of six spacings: there the solid's normal below the surface is not that at it. */
 static PetscErrorCode TestContactSolid(void)
 {
   const PetscInt    block[DIM] = {80, 80, 1};
@@ -428,22 +430,22 @@ static PetscErrorCode TestContactSolid(void)
 
   PetscFunctionBegin;
   for (PetscInt angle = 60; angle <= 120; angle += 30)
-    for (PetscInt ball = 0; ball < 2; ball++) {
+    for (PetscInt ball = 0; ball < 3; ball++) {
       for (PetscInt low = 0; low < 2; low++) {
         PetscReal sum = 0;
         char      options[512], name[64];
         Outcome   o;
 
-        PetscCall(PetscSNPrintf(name, sizeof(name), "contact_%s_%d%s", ball ? "ball" : "slope", (int)angle,
-                                low ? "_foot" : ""));
+        PetscCall(PetscSNPrintf(name, sizeof(name), "contact_%s_%d%s",
+                                ball ? ball > 1 ? "small_ball" : "ball" : "slope", (int)angle, low ? "_foot" : ""));
         for (PetscInt k = 0; k < RADII; k++) {
-          const PetscReal number[] = {14 + (PetscReal)k, (PetscReal)angle};
-          const PetscInt  n        = Fill(cap[ball], number, block, origin, JITTER);
+          const PetscReal number[] = {14 + (PetscReal)k, (PetscReal)angle, ball > 1 ? 6 : 14 + (PetscReal)k};
+          const PetscInt  n        = Fill(cap[ball > 0], number, block, origin, JITTER);
 
-          PetscCall(PetscSNPrintf(options, sizeof(options), SOLID "%d %s", (int)angle, shape[ball]));
+          PetscCall(PetscSNPrintf(options, sizeof(options), SOLID "%d %s", (int)angle, shape[ball > 0]));
           if (ball)
-            PetscCall(PetscSNPrintf(options, sizeof(options), SOLID "%d " BALL "%g", (int)angle, (double)number[0]));
-          PetscCall(Measure(options, n, 4, low ? foot[ball] : NULL, number, &o));
+            PetscCall(PetscSNPrintf(options, sizeof(options), SOLID "%d " BALL "%g", (int)angle, (double)number[2]));
+          PetscCall(Measure(options, n, 4, low ? foot[ball > 0] : NULL, number, &o));
           sum += o.mean * number[0] / RADII;
         }
         CHECK_CLOSE(sum, 1, low ? 0.22 : 0.07, name);
