@@ -47,8 +47,8 @@ def curves(folder):
     t, z, h, _ = motion(folder)
     right = reference("collapse")
     return os.path.join(HERE, "reference_collapse.csv"), [
-        ("front over the width", "1", t, z, right["time"], right["front"]),
-        ("height at the wall over the width", "1", t, 2 * h, right["time"], right["height"])]
+        ("front over the width", "", t, z, right["time"], right["front"]),
+        ("height at the wall over the width", "", t, 2 * h, right["time"], right["height"])]
 
 
 def collapse(folder):
