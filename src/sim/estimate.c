@@ -4,15 +4,16 @@
 
 #define TRIAL_LEAST     3     /* trial steps at least */
 #define TRIAL_MOST      10000 /* trial steps at most */
-#define TRIAL_TIME      2.0   /* s of trial steps at least */
+#define TRIAL_TIME      0.3   /* s of trial steps at least */
 #define TRIAL_LONG      10.   /* s, at most */
-#define TRIAL_SHARE     0.1   /* of the run's wall time for trial steps, between these bounds */
+#define TRIAL_SHARE     0.04  /* of the run's wall time for trial steps, between these bounds */
 #define STEEPEST        1.5   /* most that a step's time grows with the number of particles, over proportional growth */
 #define MANY            30 /* with so many steps their mean counts; fewer may still be growing, so their bounds count */
 #define SPREAD_LEAST    0.1  /* relative spread of the particle numbers in trial steps that tells their cost */
 #define COARSER_LEAST   1.5  /* least ratio of the rehearsal's spacing to the run's */
 #define COARSER_MOST    4.   /* largest ratio: drops keep some particles across */
 #define REHEARSAL_SHARE 0.05 /* of the run's wall time for a rehearsal */
+#define REHEARSAL_TIME  1.0  /* s, at least: in less it is so coarse that it finds a third of the steps too few */
 #define REHEARSAL_LONG  15.  /* s, at most */
 #define REHEARSED_LEAST 0.05 /* of the run: a shorter rehearsal tells no more than the trial steps */
 #define WHY_LENGTH      512
@@ -274,7 +275,7 @@ PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run)
   if (times->covered >= whole && times->steps > 0)
     *run = (RunEstimate){.steps = times->steps + 1, .step_time = times->time / times->steps, .rehearsed = 1};
   if (times->covered >= whole || sim->restart[0] || sim->steps_max || !times->steps) PetscFunctionReturn(PETSC_SUCCESS);
-  longest = PetscMin(REHEARSAL_LONG, PetscMax(TRIAL_TIME, REHEARSAL_SHARE * run->steps * run->step_time));
+  longest = PetscMin(REHEARSAL_LONG, PetscMax(REHEARSAL_TIME, REHEARSAL_SHARE * run->steps * run->step_time));
   coarser = PetscPowReal(2 * run->steps * run->step_time / longest, 1. / (sim->domain->dim + 1));
   coarser = PetscMin(COARSER_MOST, PetscMax(COARSER_LEAST, coarser));
   PetscCall(Rehearse(sim, coarser, times->covered, (double)longest, &r));
