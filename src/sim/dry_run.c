@@ -1,4 +1,5 @@
 /* -dry_run: what a run would need, and a picture of its start. */
+#include "../storage/storage.h"
 #include "sim_impl.h"
 #include <errno.h>
 #include <petsctime.h>
@@ -200,6 +201,18 @@ static int Draw(Sim sim, const char path[], PetscInt n, const double particle[])
   return fclose(file) ? errno : 0;
 }
 
+/* Makes the folder that a file is to be in, with its parents; an errno, or 0. */
+static int MakePlace(const char path[])
+{
+  char folder[PETSC_MAX_PATH_LEN], *slash;
+
+  PetscCallAbort(PETSC_COMM_SELF, PetscStrncpy(folder, path, sizeof(folder)));
+  slash = strrchr(folder, '/');
+  if (!slash || slash == folder) return 0;
+  *slash = 0;
+  return FolderCreate(folder);
+}
+
 static PetscErrorCode Picture(Sim sim)
 {
   const Domain    domain = sim->domain;
@@ -229,7 +242,8 @@ static PetscErrorCode Picture(Sim sim)
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCall(GatherTo(sim->comm, PETSC_FALSE, n, own, MPI_DOUBLE, &total, &all));
   PetscCall(PetscSNPrintf(path, sizeof(path), "%s.svg", OutputFolder(sim->output)));
-  if (!rank) error = Draw(sim, path, total / DRAWN, all);
+  if (!rank) error = MakePlace(path);
+  if (!rank && !error) error = Draw(sim, path, total / DRAWN, all);
   PetscCall(PetscFree(all));
   PetscCall(PetscFree(own));
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, sim->comm));

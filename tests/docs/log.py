@@ -109,6 +109,12 @@ for width, gaps, share in (("0.053", "-jet_interval 0.1 ", "+3.8 %"), ("0.053", 
     runs.check(f"a filling of {0.0055 if share else 0.1 * float(width):g} m2, {share or '-0.0 %'}" in
                said.replace("+0.0", "-0.0"), f"dry_run_of_a_slit_of_{width}{gaps}", said[-1500:])
 
+# A folder where nothing has run yet.
+fresh = os.path.join(runs.scratch("fresh"), "output", "run")
+done = runs.start(SLIT.format("0.05") + f"-dry_run -output_dir {fresh}")
+runs.check(done.returncode == 0 and os.path.exists(fresh + ".svg") and not os.path.exists(fresh),
+           "dry_run_in_a_fresh_folder", done.stderr)
+
 text = log(runs.run("-options_file cases/jet/rings.opts -steps_max 1", "jet_of_rings"))
 runs.check("of the volume of its shape" not in text, "flux_of_a_jet_of_rings", text[-1500:])
 
