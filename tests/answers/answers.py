@@ -148,6 +148,8 @@ def ladders():
         runs.check(found.bar >= abs(3 - found.value), f"bar_of_order_{order:g}", f"{found.bar} for {found.value}")
     straight = ladder.Verdict(rungs(lambda h: 3 + 0.4 * h))
     runs.check_within(straight.bar / (straight.value - 3), ladder.MARGIN - 1e-6, ladder.MARGIN + 1e-6, "bar_of_a_line")
+    late = ladder.Verdict(rungs(lambda h: 3 + 0.4 * h + (5 if h > 0.6 else 0), count=7))  # the last five are a line
+    runs.check_within(late.bar / (late.value - 3), ladder.MARGIN - 1e-6, ladder.MARGIN + 1e-6, "bar_of_the_last_five")
     wild = ladder.Verdict(list(zip((4, 2, 1), ([1.0] * 3, [3.0] * 3, [1.5] * 3))))
     runs.check(math.isnan(wild.order) and "up and down" in wild.words and wild.bar > 1, "up_and_down", str(wild.bar))
     noisy = ladder.Verdict(rungs(lambda h: 3.0, noise=0.1))
