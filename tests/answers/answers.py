@@ -540,6 +540,13 @@ def keys():
     if before:
         os.environ["ISPH"] = before
     runs.check(marks[0] == marks[1] != marks[2], "key_of_the_program", str(marks))
+    table, marks = runs.scratch("moved.csv"), []
+    path = scene("moved", TANK.format("0.3") + f"-solids p -p_shape sphere -p_radius 0.2 -p_motion_file {table}")
+    for way in (0.1, 0.1, 0.2):
+        with open(table, "w", encoding="utf-8") as file:
+            file.write(f"0,0,0,0\n1,{way},0,0\n")
+        marks.append(launch.mark_of.__wrapped__(path))
+    runs.check(marks[0] == marks[1] != marks[2], "key_of_a_table", str(marks))
 
 
 def coarse():
