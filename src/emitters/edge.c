@@ -1,8 +1,9 @@
-/* Emitters in a step: implicit viscosity holds the liquid inside them at their velocity, like a wall. In a long step
-   viscosity brings neighbours nearly to one velocity: the liquid that has left would drag free liquid inside the
-   emitter along, and tear. A row is held until its particles have left as a whole, when the next emission comes. If it
-   were free as soon as their centres have left, a sheet of honey would fall freely in between: 6 % of the time with
-   emissions of 8 rows. */
+/* Emitters in a step. The liquid in an emitter has its velocity whatever presses on it, like a piston that is handed
+   over particle by particle: in the equation of the pressure its particles are boundaries like the dummy particles of a
+   wall, with the whole velocity, and no pressure acts between them (CloudPushes). With a free surface behind them
+   instead, an emitter could not push: a column of water above one sank and rose by 33 mm, pressures scattered by a
+   third, and a channel got 0.78 to 0.90 of its flow. Implicit viscosity holds them, too: in a long step viscosity
+   brings neighbours nearly to one velocity, and the liquid that has left would drag them along, and tear. */
 #include "emitters_impl.h"
 
 #define NAME "emitters"
@@ -35,18 +36,154 @@ static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Body       body = SceneBody(cloud->scene, cloud->integer[INT_BODY][a]);
-    const PetscReal *x    = cloud->field[FIELD_POSITION] + DIM * a;
-    PetscReal        v[DIM], radius = 0.5 * cloud->size[a] * cloud->domain->spacing;
+    PetscReal v[DIM];
 
-    if (!BodyComesLater(body)) continue;
-    BodyFillingVelocity(body, StepperTime(stepper), x, v);
-    if (BodyHolds(body, x, radius + dt * Norm(v))) PetscCall(ViscousHold(stepper, a, v));
+    if (!PressureHolds(StepperPressure(stepper), a)) continue;
+    BodyFillingVelocity(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), StepperTime(stepper) + dt,
+                        cloud->field[FIELD_POSITION] + DIM * a, v);
+    PetscCall(ViscousHold(stepper, a, v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Brings energy, too: the work that keeps liquid inside emitters moving is a part of it. */
+static PetscErrorCode MakeRoom(Emissions *emissions, Cloud cloud)
+{
+  PetscFunctionBegin;
+  if (emissions->capacity >= cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  emissions->capacity = cloud->capacity;
+  PetscCall(PetscFree2(emissions->pushing, emissions->pushed));
+  PetscCall(PetscMalloc2(emissions->capacity, &emissions->pushing, emissions->capacity, &emissions->pushed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The liquid in emitters pushes: it has its velocity at the end of the step whatever the pressure. */
+static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
+{
+  Emissions *emissions = Of(stepper);
+  Cloud      cloud     = StepperCloud(stepper);
+  PetscReal *v_star    = cloud->field[FIELD_VELOCITY_STAR];
+
+  PetscFunctionBegin;
+  emissions->count = 0;
+  emissions->work  = 0;
+  if (emissions->frozen || !PressureTakesDivergence(StepperPressure(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MakeRoom(emissions, cloud));
+  PetscCall(PetscArrayzero(emissions->pushing, cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal mass = cloud->rest_density[a] * cloud->volume[a];
+    Pushed         *p    = &emissions->pushed[emissions->count];
+
+    if (!PressureHolds(StepperPressure(stepper), a)) continue;
+    emissions->count++;
+    emissions->pushing[a] = 1;
+    p->a                  = a;
+    BodyFillingVelocity(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), StepperTime(stepper) + dt,
+                        cloud->field[FIELD_POSITION] + DIM * a, p->v);
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscInt k = DIM * a + d;
+
+      emissions->work += 0.5 * mass * (p->v[d] - v_star[k]) * (cloud->field[FIELD_VELOCITY][k] + p->v[d]);
+      v_star[k] = p->v[d];
+      p->x[d]   = cloud->field[FIELD_POSITION][k] + (emissions->half ? 0.5 : 1) * dt * p->v[d];
+    }
+  }
+  PetscCall(CloudUpdateIntArray(cloud, emissions->pushing));
+  PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
+  cloud->pushing = emissions->pushing;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  Emissions *emissions = Of(stepper);
+  Cloud      cloud     = StepperCloud(stepper);
+  PetscReal *force;
+
+  PetscFunctionBegin;
+  if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, DIM, &force));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), force));
+  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {
+    emissions->work -= dt * Dot(force + DIM * p->a, p->v);
+    PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_NEW] + DIM * p->a, p->v, DIM));
+  }
+  PetscCall(CloudRestoreWork(cloud, &force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Shifting evens it out across its velocity, so that as much comes as was asked for. */
+static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
+{
+  const Emissions *emissions = Of(stepper);
+  Cloud            cloud     = StepperCloud(stepper);
+
+  PetscFunctionBegin;
+  if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
+  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {
+    PetscReal *x = cloud->field[FIELD_POSITION] + DIM * p->a, along = 0;
+
+    for (PetscInt d = 0; d < DIM; d++) along += (p->x[d] - x[d]) * p->v[d];
+    for (PetscInt d = 0; d < DIM && along != 0; d++) x[d] += along * p->v[d] / Dot(p->v, p->v);
+    PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY] + DIM * p->a, p->v, DIM));
+  }
+  cloud->pushing = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Restore(Stepper stepper)
+{
+  PetscFunctionBegin;
+  StepperCloud(stepper)->pushing = NULL;
+  Of(stepper)->half              = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+{
+  PetscFunctionBegin;
+  if (to < end) Of(stepper)->half = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses to fill what is full. */
+static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
+{
+  const Scene     scene = StepperCloud(stepper)->scene;
+  const PetscReal now   = StepperTime(stepper);
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < SceneCount(scene) && Of(stepper)->full && !why[0]; b++)
+    if (BodyComesLater(SceneBody(scene, b)) && BodyFillings(SceneBody(scene, b), now + dt) > 0)
+      PetscCall(
+        PetscSNPrintf(why, length,
+                      "the emitter %s has filled the vessel: its liquid has no free surface and no open face to "
+                      "leave by; end the run earlier, give -%s_count, or open a face",
+                      BodyName(SceneBody(scene, b)), BodyName(SceneBody(scene, b))));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+{
+  PetscFunctionBegin;
+  Of(stepper)->frozen = frozen;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+{
+  Emissions *emissions = Of(stepper);
+  /* work, speed of what pushes, particles that do not */
+  PetscReal sum[3] = {emissions->work, 0, (PetscReal)(StepperCloud(stepper)->n_fluid - emissions->count)};
+
+  PetscFunctionBegin;
+  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) sum[1] += Norm(p->v);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPI_SUM, StepperCloud(stepper)->comm));
+  emissions->full = (PetscBool)(sum[1] > 0 && sum[2] > 0 && PressureIsClosed(StepperPressure(stepper)));
+  *(PetscReal *)StepperNumbers(stepper, state, NAME) += sum[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Brings energy, too: of the liquid that comes, and that which changes liquid that does not push. */
 static PetscErrorCode Bring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
 {
   GaugeTotals before, after;
@@ -89,6 +226,14 @@ const Edge EmitterEdge = {.name        = NAME,
                           .destroy     = Destroy,
                           .on          = On,
                           .drives      = On,
+                          .check       = Check,
+                          .freeze      = Freeze,
+                          .restore     = Restore,
+                          .drift       = Drift,
                           .hold        = Hold,
+                          .predict     = Predict,
+                          .kick        = Kick,
+                          .guard       = Guard,
+                          .commit      = Commit,
                           .bring       = Bring,
                           .filling     = Filling};

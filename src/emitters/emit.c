@@ -4,7 +4,7 @@
 
 #define SLACK       1e-6 /* spacings, of a shape's faces; of a train's period and share */
 #define PLACES      8    /* at which a point must be inside its shape on its way through it */
-#define LEAST_SHARE 0.5  /* then a filling has a point twice at most */
+#define LEAST_SHARE 0.5  /* of a train */
 #define CELLS       64   /* per spacing, of a cross-section */
 #define MOST_CELLS  1024 /* in each direction */
 
@@ -92,73 +92,67 @@ static PetscReal Stretch(Cloud cloud, Emission *emission, Body body)
   return share;
 }
 
-PetscBool EmissionPoint(const Emission *emission, Body body, PetscInt k, PetscInt p, PetscInt copy, PetscReal x[DIM])
+/* Finds the points of an emitter. An emitter that is always full has no jitter: what pushes is not evened out. */
+static PetscErrorCode FindPoints(Cloud cloud, Packing packing, PetscInt b, PetscBool whole, Emission *emission)
 {
-  const PetscBool up = (PetscBool)(body->uniform[emission->along] > 0);
-  PetscReal       from, way, length, period;
-
-  for (PetscInt d = 0; d < DIM; d++) x[d] = emission->x[DIM * p + d];
-  if (emission->stretch == 1) return (PetscBool)(copy == 0);
-  length = Reach(body, emission->along, &from);
-  period = emission->stretch * length;
-  way    = up ? from + length - x[emission->along] : x[emission->along] - from; /* upstream from the end of filling k */
-  way    = emission->stretch * way - (PetscReal)k * length;
-  way += period * (PetscCeilReal(-way / period - SLACK) + (PetscReal)copy);
-  x[emission->along] = up ? from + length - way : from + way;
-  return (PetscBool)(way < length - SLACK * period);
-}
-
-/* Finds the points of an emitter, at the first call. */
-static PetscErrorCode FindPoints(Cloud cloud, Packing packing, PetscInt b, Emission *emission)
-{
-  Points points = {.area = 0};
-  size_t size;
+  const Body body   = SceneBody(cloud->scene, b);
+  Points     points = {.area = 0};
+  size_t     size;
 
   PetscFunctionBegin;
-  if (emission->x) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSegBufferCreate(sizeof(PetscReal), 1024, &points.x));
-  PetscCall(LatticeVisitBody(packing, b, KeepPoint, &points));
+  PetscCall(LatticeVisitBody(packing, b, whole, KeepPoint, &points));
   PetscCall(PetscSegBufferGetSize(points.x, &size));
+  PetscCall(PetscFree(emission->x));
   PetscCall(PetscSegBufferExtractAlloc(points.x, &emission->x));
   PetscCall(PetscSegBufferDestroy(&points.x));
   emission->n       = (PetscInt)size / DIM;
   emission->area    = points.area;
-  emission->stretch = Stretch(cloud, emission, SceneBody(cloud->scene, b));
+  emission->stretch = 1;
   PetscCheckUser(emission->n > 0, cloud->comm,
                  "no particle of -spacing %g m fits into the emitter %s; it must be larger",
-                 (double)cloud->domain->spacing, BodyName(SceneBody(cloud->scene, b)));
+                 (double)cloud->domain->spacing, BodyName(body));
+  if (whole) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc2(emission->n, &emission->way, emission->n, &emission->done));
+  for (PetscInt p = 0; p < emission->n; p++) {
+    emission->way[p] = EmissionWay(body, emission->x + DIM * p);
+    whole            = (PetscBool)(whole || emission->way[p] < 0);
+  }
+  if (!whole) emission->stretch = Stretch(cloud, emission, body);
+  if (!whole) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt p = 0; p < emission->n; p++) emission->way[p] = -1;
+  PetscCall(FindPoints(cloud, packing, b, PETSC_TRUE, emission));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The k-th emission of body b, at the time (s). */
+/* What body b brings from its counts 'done' on, up to the time (s). */
 typedef struct {
   MPI_Comm        comm;
   const Emission *emission;
   Body            body;
-  PetscInt        b, k;
+  PetscInt        b, stride; /* stride: of the numbers of particles between fillings */
   PetscReal       time;
 } Portion;
 
 static PetscErrorCode VisitPortion(void *source, SampleVisitor visitor, void *context)
 {
-  const Portion *portion = (const Portion *)source;
-  PetscReal      shift[DIM];
-  PetscInt       first, last;
+  const Portion  *portion  = (const Portion *)source;
+  const Emission *emission = portion->emission;
+  PetscInt        first, last;
 
   PetscFunctionBegin;
-  OwnShare(portion->comm, portion->emission->n, &first, &last);
-  EmissionShift(portion->body, portion->k, portion->time, shift);
-  for (PetscInt q = 2 * first; q < 2 * last; q++) {
-    Sample sample = {.density = BodyMaterial(portion->body)->density,
-                     .body    = portion->b,
-                     .area    = portion->emission->area};
+  OwnShare(portion->comm, emission->n, &first, &last);
+  for (PetscInt p = first; p < last; p++)
+    for (PetscInt k = emission->done[p]; k < EmissionCount(emission, portion->body, portion->time, p); k++) {
+      Sample    sample = {.density = BodyMaterial(portion->body)->density, .body = portion->b, .area = emission->area};
+      PetscReal shift[DIM];
 
-    if (!EmissionPoint(portion->emission, portion->body, portion->k, q / 2, q % 2, sample.x)) continue;
-    for (PetscInt d = 0; d < DIM; d++) sample.x[d] += shift[d];
-    BodyFillingVelocity(portion->body, portion->time, sample.x, sample.v);
-    sample.id = sample.parent = q / 2 + (q % 2) * portion->emission->n;
-    PetscCall(visitor(context, &sample));
-  }
+      EmissionShift(portion->body, EmissionFilling(emission, k, p), portion->time, shift);
+      for (PetscInt d = 0; d < DIM; d++) sample.x[d] = emission->x[DIM * p + d] + shift[d];
+      BodyFillingVelocity(portion->body, portion->time, sample.x, sample.v);
+      sample.id = sample.parent = k * portion->stride + p;
+      PetscCall(visitor(context, &sample));
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -193,27 +187,32 @@ PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, 
   if (!SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (!BodyComesLater(SceneBody(scene, b))) continue;
-    PetscCall(FindPoints(cloud, packing, b, &emissions->of[b]));
-    most = PetscMax(most, (emissions->of[b].stretch < 1 ? 2 : 1) * emissions->of[b].n);
+    if (!emissions->of[b].x) PetscCall(FindPoints(cloud, packing, b, PETSC_FALSE, &emissions->of[b]));
+    most = PetscMax(most, emissions->of[b].n);
     emitters++;
   }
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     Emission *emission = &emissions->of[b];
-    Portion   portion  = {.comm = cloud->comm, .emission = emission, .body = SceneBody(scene, b), .b = b, .time = time};
-    PetscInt  wanted, count;
+    Portion   portion  = {.comm     = cloud->comm,
+                          .emission = emission,
+                          .body     = SceneBody(scene, b),
+                          .b        = b,
+                          .stride   = most * emitters,
+                          .time     = time};
+    PetscInt  count, due = 0;
 
     if (!BodyComesLater(portion.body)) continue;
-    wanted = BodyFillings(portion.body, time);
-    for (; emission->done < wanted; emission->done++) {
-      if (resumed) continue;
-      PetscCheckUser(emission->done < (EMITTED_ID - most) / (most * PetscMax(emitters, 1)), cloud->comm,
-                     "the emitter %s has brought as many particles as this build of PETSc can number",
-                     BodyName(portion.body));
-      portion.k = emission->done;
-      PetscCall(SamplesAppend(cloud->particles, cloud->domain, VisitPortion, &portion,
-                              EMITTED_ID + (portion.k * emitters + number) * most, &count));
-      *emitted += count;
-    }
+    PetscCheckUser(BodyFillings(portion.body, time) / emission->stretch <
+                     (PetscReal)(EMITTED_ID - most) / portion.stride - 1,
+                   cloud->comm, "the emitter %s has brought as many particles as this build of PETSc can number",
+                   BodyName(portion.body));
+    for (PetscInt p = 0; p < emission->n && !resumed; p++)
+      due += EmissionCount(emission, portion.body, time, p) - emission->done[p];
+    if (due)
+      PetscCall(
+        SamplesAppend(cloud->particles, cloud->domain, VisitPortion, &portion, EMITTED_ID + number * most, &count));
+    for (PetscInt p = 0; p < emission->n; p++) emission->done[p] = EmissionCount(emission, portion.body, time, p);
+    *emitted += due;
     number++;
   }
   PetscCall(SetVelocities(cloud, time));
@@ -233,6 +232,10 @@ PetscReal EmissionVolume(const Emission *emission, Domain domain)
 PetscErrorCode EmissionsDestroy(Emissions *emissions)
 {
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) PetscCall(PetscFree(emissions->of[b].x));
+  for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) {
+    PetscCall(PetscFree(emissions->of[b].x));
+    PetscCall(PetscFree2(emissions->of[b].way, emissions->of[b].done));
+  }
+  PetscCall(PetscFree2(emissions->pushing, emissions->pushed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

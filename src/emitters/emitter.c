@@ -8,6 +8,11 @@
 
 #define ROWS_MOST 256 /* of a table of speeds */
 
+#define WAY_STEP     0.25 /* spacings, of WayOut */
+#define WAY_HALVINGS 30
+#define PRISM        0.01 /* spacings by which lengths of a shape along the velocity may differ, to be always full */
+#define BUFFER       3    /* spacings of moving liquid that free liquid needs behind it, so that it is pushed */
+
 typedef struct {
   PetscReal  start, interval;       /* s */
   PetscInt   count;                 /* of fillings; 0: no end */
@@ -29,6 +34,15 @@ static PetscReal LengthAlong(Body body, PetscReal speed)
     if (PetscAbsReal(body->uniform[d]) > 0)
       length = PetscMin(length, (upper[d] - lower[d]) * speed / PetscAbsReal(body->uniform[d]));
   return length;
+}
+
+/* Whether fillings follow each other without gaps. */
+static PetscBool WithoutGaps(Body body)
+{
+  const PetscReal speed = Norm(body->uniform);
+
+  return (PetscBool)(((const Emitter *)body->type_data)->interval * speed <=
+                     LengthAlong(body, speed) * (1 + INTERVAL_ROUNDING));
 }
 
 static const OptionRow options[] = {
@@ -166,12 +180,68 @@ static PetscInt Fillings(Body body, PetscReal time)
   return e->count > 0 ? PetscMin(n, e->count) : n;
 }
 
-void EmissionShift(Body body, PetscInt k, PetscReal time, PetscReal shift[DIM])
+PetscInt EmissionCount(const Emission *emission, Body body, PetscReal time, PetscInt p)
+{
+  const Emitter  *e   = (const Emitter *)body->type_data;
+  const PetscReal way = emission->way[p], share = emission->stretch,
+                  room = 1 - 0.5 * body->domain->spacing / LengthAlong(body, Norm(body->uniform));
+  PetscReal ahead      = room / share - way;
+  PetscInt  n;
+
+  if (way < 0 || time < e->start) return Fillings(body, time);
+  if (ahead < 0 && share * way < 1) ahead = 0; /* nearer than half a spacing to the rear */
+  n = (PetscInt)PetscFloorReal(TravelTime(body, time) / (share * e->interval) + ahead + INTERVAL_ROUNDING) + 1;
+  if (e->count > 0) n = PetscMin(n, (PetscInt)PetscCeilReal(e->count / share - way - INTERVAL_ROUNDING));
+  return PetscMax(0, n);
+}
+
+PetscReal EmissionFilling(const Emission *emission, PetscInt k, PetscInt p)
+{
+  return emission->way[p] < 0 ? k : emission->stretch * k + (emission->stretch - 1) * emission->way[p];
+}
+
+/* The distance (m) from x in the shape to its surface, along the emitter's velocity or against it (sign -1). */
+static PetscReal WayOut(Body body, const PetscReal x[DIM], PetscReal sign)
+{
+  const PetscReal speed = Norm(body->uniform), step = WAY_STEP * body->domain->spacing;
+  PetscReal       way = 0, least = 0, most;
+
+  do {
+    PetscReal y[DIM];
+
+    least = way;
+    way += step;
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + sign * way * body->uniform[d] / speed;
+    if (BodyDistance(body, y) >= 0) break;
+  } while (way < LengthAlong(body, speed));
+  most = way;
+  for (PetscInt k = 0; k < WAY_HALVINGS; k++) {
+    PetscReal y[DIM];
+
+    way = 0.5 * (least + most);
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + sign * way * body->uniform[d] / speed;
+    if (BodyDistance(body, y) < 0)
+      least = way;
+    else
+      most = way;
+  }
+  return way;
+}
+
+PetscReal EmissionWay(Body body, const PetscReal x[DIM])
+{
+  const PetscReal length = LengthAlong(body, Norm(body->uniform)), front = WayOut(body, x, 1);
+
+  if (!WithoutGaps(body)) return -1;
+  if (PetscAbsReal(front + WayOut(body, x, -1) - length) > PRISM * body->domain->spacing) return -1;
+  return front / length;
+}
+
+void EmissionShift(Body body, PetscReal k, PetscReal time, PetscReal shift[DIM])
 {
   const Emitter *e = (const Emitter *)body->type_data;
 
-  for (PetscInt d = 0; d < DIM; d++)
-    shift[d] = (TravelTime(body, time) - (PetscReal)k * e->interval) * body->uniform[d];
+  for (PetscInt d = 0; d < DIM; d++) shift[d] = (TravelTime(body, time) - k * e->interval) * body->uniform[d];
 }
 
 PetscBool EmissionIsJet(Body body, PetscInt *along)
@@ -200,10 +270,11 @@ static PetscBool Holds(Body body, const PetscReal x[DIM], PetscReal behind)
   PetscReal      distance, reach, speed;
   PetscInt       steps;
 
+  speed    = Norm(body->uniform);
   distance = BodyDistance(body, x);
-  reach    = behind + e->nozzle;
+  reach    = PetscMax(e->nozzle, BUFFER * body->domain->spacing - LengthAlong(body, speed));
+  if (!WithoutGaps(body)) reach = e->nozzle + behind;
   if (distance < 0 || distance >= reach) return (PetscBool)(distance < 0);
-  speed = Norm(body->uniform);
   steps = (PetscInt)PetscCeilReal(reach / body->domain->spacing); /* upstream */
   for (PetscInt k = 1; k <= steps; k++) {
     PetscReal rear[DIM];

@@ -56,6 +56,9 @@ typedef struct _p_Cloud {
   PetscInt  *at_interface;        /* [n_total] 1: has neighbours of the other liquid, else 0 */
   PetscReal *pressure_jump;       /* [n_total] Pa */
   PetscReal *pressure_jump_slope; /* [n_total][3] its gradient along the interface, Pa/m */
+  /* Liquid that pushes: fluid particles with a given velocity, which are boundaries of the pressure equation like dummy
+     particles of a wall (1; else 0), [n_total], ghosts too. NULL: none. Owned by the edge that sets it in 'predict'. */
+  PetscInt *pushing;
   /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle
      itself. pairs.h shows how to write loops over them. */
   PetscInt64 *first, list_capacity; /* a rank may have more pairs than 32 bits count */
@@ -140,6 +143,16 @@ static inline PetscReal CloudPressureJump(Cloud cloud, PetscInt a, PetscInt b, P
 static inline PetscBool CloudAcross(Cloud cloud, PetscInt a, PetscInt b)
 {
   return (PetscBool)(cloud->liquid[a] + cloud->liquid[b] == 1 && cloud->liquid[a] >= 0 && cloud->liquid[b] >= 0);
+}
+/* CloudPushes - whether a particle is liquid that pushes. CloudBounds - whether it is that or a dummy particle, so that
+   no pressure acts between two such. Not collective. */
+static inline PetscBool CloudPushes(Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(cloud->pushing && cloud->pushing[a]);
+}
+static inline PetscBool CloudBounds(Cloud cloud, PetscInt a)
+{
+  return (PetscBool)(cloud->integer[INT_LAYER][a] > 0 || CloudPushes(cloud, a));
 }
 
 /* CloudLevelSize - the largest size of a level: a little more than a power of sqrt(2), so that the first level has the

@@ -46,7 +46,8 @@ static void RemoveWalls(Cloud cloud, PetscInt a, const PairRow *row, const Petsc
   }
 }
 
-/* sum f (v_b - v_a).r_ab of wall particle a over its neighbours in the fluid, with the velocity normal to the wall. */
+/* sum f (v_b - v_a).r_ab of a wall particle, or of liquid that pushes, over its neighbours in the liquid that is free;
+   of a wall with the velocity normal to it. */
 static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal velocity[])
 {
   const PetscReal *x   = cloud->field[FIELD_POSITION];
@@ -56,9 +57,9 @@ static PetscReal WallDivergence(Cloud cloud, PetscInt a, const PairRow *row, con
     const PetscInt b = row->index[k];
     PetscReal      u[DIM], part[DIM];
 
-    if (cloud->integer[INT_LAYER][b]) continue;
-    for (PetscInt d = 0; d < DIM; d++) u[d] = velocity[DIM * b + d] - velocity[DIM * a + d];
-    WallPart(cloud, a, u, part);
+    if (CloudBounds(cloud, b)) continue;
+    for (PetscInt d = 0; d < DIM; d++) part[d] = u[d] = velocity[DIM * b + d] - velocity[DIM * a + d];
+    if (cloud->integer[INT_LAYER][a]) WallPart(cloud, a, u, part);
     for (PetscInt d = 0; d < DIM; d++) sum += row->f[k] * part[d] * (x[DIM * a + d] - x[DIM * b + d]);
   }
   return sum;
@@ -155,6 +156,10 @@ PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], Pets
     if (OperatorsNearWall(cloud, x + DIM * a)) RemoveWalls(cloud, a, &row, velocity, G, no_sliding);
     for (PetscInt k = 0; k < DIM * DIM; k++) G[k] *= scale;
     if (!div) continue;
+    if (CloudPushes(cloud, a)) {
+      div[a] = scale * WallDivergence(cloud, a, &row, velocity);
+      continue;
+    }
     div[a] = scale * (B[0] * no_sliding[0] + B[1] * no_sliding[4] + B[2] * no_sliding[8] +
                       B[3] * (no_sliding[1] + no_sliding[3]) + B[4] * (no_sliding[2] + no_sliding[6]) +
                       B[5] * (no_sliding[5] + no_sliding[7]));

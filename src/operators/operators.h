@@ -125,10 +125,10 @@ PetscErrorCode OperatorsWallDrag(Cloud cloud, const Viscosity *viscosity, const 
 void OperatorsSolidDivergence(Cloud cloud, PetscInt a, PetscInt body, const PetscReal center[DIM],
                               PetscReal slope[RIGID_MOTIONS]);
 /* OperatorsWallForce - force[] ([n_total][3]): the pressure force (N; N/m in two dimensions) of this rank's fluid on
-   each dummy particle, ghosts too: -sum V_a V_b (p_a + p_b) grad W over the fluid a, the reaction to the force of
-   Adami, Hu and Adams (2012) on the fluid. For rings, the radial component is the sum all around. corrected: the
-   pressure gradient is corrected, and the walls receive all momentum that it takes from the fluid. Needs
-   OperatorsMoments and the pressures of ghosts. Collective. */
+   each dummy particle and particle that pushes (CloudPushes), ghosts too: -sum V_a V_b (p_a + p_b) grad W over the
+   fluid a, the reaction to the force of Adami, Hu and Adams (2012) on the fluid. For rings, the radial component is the
+   sum all around. corrected: the pressure gradient is corrected, and the walls receive all momentum that it takes from
+   the fluid. Needs OperatorsMoments and the pressures of ghosts. Collective. */
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[]);
 /* OperatorsGrowthFriction - the rate (1/s) of the friction -nu v_r/r^2 of ring a's growth, in forms along the line of
    centres; 0 for other particles. nu: m2/s. The pairs in the plane dissipate mu (2 S:S + (tr S)^2), with the rate of
@@ -167,7 +167,8 @@ PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const 
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles. corrected: the fluid
    takes B_a, else the identity; walls take the identity, and only their pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: otherwise liquid sliding past the lattice of dummy particles
-   would meet a friction that no finer spacing removes (a dam break lost a third of its energy). velocity: [n_total][3],
+   would meet a friction that no finer spacing removes (a dam break lost a third of its energy). Liquid that pushes
+   (CloudPushes) is like a wall, with the whole velocity. velocity: [n_total][3],
    a field of the cloud. time_offset (s): the fluid's divergence is extrapolated to the positions after this time, to
    first order: div v - time_offset tr (grad v)^2. Also for the fluid: gradient [n_owned][9] = sum V (v_b - v_a)_i
    grad_j W, 1/s, without B and walls; jump [n_owned] = largest |v_b - v_a|, m/s. div, gradient and jump may be NULL. */

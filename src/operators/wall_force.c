@@ -4,7 +4,8 @@
    B_a sum V_b (p_b - p_a) grad W is not symmetric. Written with p_a + p_b, it has B_a on the pairs and a remainder of
    two terms: 2 p_a B_a sum V_b grad W, and the sum over pairs of fluid that does not cancel because B_a differs from
    B_b. Inside the liquid the remainder sums to zero. At a wall, where it is 3 % of the weight of a film ten spacings
-   deep, it acts on the wall: the dummy particles around a receive it in proportion to their W'. */
+   deep, it acts on the wall: the dummy particles around a receive it in proportion to their W'. Liquid that pushes is
+   like a wall. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
@@ -30,7 +31,7 @@ static void FindRemainder(Cloud cloud, PetscInt a, const PairRow *row, PetscReal
     const PetscReal c = 0.5 * PairForce(cloud, a, row, k);
     PetscReal       difference[6], part[DIM];
 
-    if (cloud->integer[INT_LAYER][b]) continue;
+    if (CloudBounds(cloud, b)) continue;
     for (PetscInt e = 0; e < 6; e++) difference[e] = B[6 * a + e] - B[6 * b + e];
     TensorApply(difference, row->dx[k], row->dy[k], row->dz[k], part);
     for (PetscInt d = 0; d < DIM; d++) remainder[d] += c * part[d];
@@ -44,14 +45,14 @@ static void AddRow(Cloud cloud, PetscBool corrected, PetscInt a, const PairRow *
   const PetscReal *B              = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
   PetscReal        remainder[DIM] = {0, 0, 0}, sum = 0;
 
-  for (PetscInt k = 0; k < row->n; k++) sum += cloud->integer[INT_LAYER][row->index[k]] ? row->F[k] : 0;
+  for (PetscInt k = 0; k < row->n; k++) sum += CloudBounds(cloud, row->index[k]) ? row->F[k] : 0;
   if (sum == 0) return;
   if (corrected) FindRemainder(cloud, a, row, remainder);
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
     PetscReal      c, part[DIM];
 
-    if (!cloud->integer[INT_LAYER][b]) continue;
+    if (!CloudBounds(cloud, b)) continue;
     c = PairForce(cloud, a, row, k);
     TensorApply(B, row->dx[k], row->dy[k], row->dz[k], part);
     for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += c * part[d] + remainder[d] * row->F[k] / sum;
@@ -67,7 +68,7 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
   if (corrected) PetscCall(CloudUpdate(cloud, FIELD_CORRECTION));
   PetscCall(PetscArrayzero(force, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    if (!OperatorsNearWall(cloud, x + DIM * a)) continue;
+    if (CloudPushes(cloud, a) || !(cloud->pushing || OperatorsNearWall(cloud, x + DIM * a))) continue;
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowGradient(cloud, a, &row);
     /* near the free surface the gradient is not corrected */

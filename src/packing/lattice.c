@@ -345,9 +345,9 @@ void LatticeShake(Packing packing, PetscReal spacing, Sample *sample)
 
 /* Passes this rank's share of the points of body b to the visitor; comm: the ranks that share them. All rings have one
    area, with which they have the body's volume. length: see LatticeFit. *id: the number of the body's first particle,
-   then of the next body's. */
+   then of the next body's. shaken: with the jitter. */
 static PetscErrorCode VisitBody(Packing packing, PetscInt b, MPI_Comm comm, const PetscReal level[], PetscReal length,
-                                SampleVisitor visitor, void *context, PetscInt *id)
+                                PetscBool shaken, SampleVisitor visitor, void *context, PetscInt *id)
 {
   const Domain   domain = packing->cloud->domain;
   const MPI_Comm walk   = domain->rings ? PETSC_COMM_SELF : comm;
@@ -363,7 +363,7 @@ static PetscErrorCode VisitBody(Packing packing, PetscInt b, MPI_Comm comm, cons
   PetscCall(OwnNumbers(walk, n, &before, &all));
   for (PetscInt k = 0; k < n; k++) {
     sample[k].id = sample[k].parent = *id + before + k;
-    LatticeShake(packing, domain->spacing, &sample[k]);
+    if (shaken) LatticeShake(packing, domain->spacing, &sample[k]);
     sum += sample[k].area * DomainRingLength(domain, sample[k].x, 1);
   }
   if (domain->rings) area = lattice.pitch[0] * lattice.pitch[1] / domain->volume * (sum > 0 ? length / sum : 1);
@@ -388,11 +388,11 @@ static PetscErrorCode Visit_Lattice(void *source, SampleVisitor visitor, void *c
   PetscCall(LatticeFit(packing, level, length));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
     if (!BodyComesLater(SceneBody(scene, b)))
-      PetscCall(VisitBody(packing, b, packing->cloud->comm, level, length[b], visitor, context, &id));
+      PetscCall(VisitBody(packing, b, packing->cloud->comm, level, length[b], PETSC_TRUE, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context)
+PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, PetscBool shaken, SampleVisitor visitor, void *context)
 {
   PetscReal level[SCENE_MAX_BODIES], length;
   PetscInt  id = 0;
@@ -400,7 +400,7 @@ PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor vi
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SCENE_MAX_BODIES; b++) level[b] = -PETSC_MAX_REAL;
   PetscCall(FitLevel(packing, body, &level[body], &length));
-  PetscCall(VisitBody(packing, body, PETSC_COMM_SELF, level, length, visitor, context, &id));
+  PetscCall(VisitBody(packing, body, PETSC_COMM_SELF, level, length, shaken, visitor, context, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

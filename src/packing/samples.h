@@ -35,7 +35,7 @@ PetscErrorCode SamplesTake(PetscSegBuffer *buffer, PetscInt *n, Sample **sample)
 PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource visit, void *source, PetscInt first_id,
                              PetscInt *count);
 
-/* LatticeVisitBody - passes the lattice points of one body to the visitor. Collective. */
-PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, SampleVisitor visitor, void *context);
+/* LatticeVisitBody - passes the lattice points of one body to the visitor; shaken: with the jitter. Collective. */
+PetscErrorCode LatticeVisitBody(Packing packing, PetscInt body, PetscBool shaken, SampleVisitor visitor, void *context);
 
 #endif

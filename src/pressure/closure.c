@@ -55,7 +55,7 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   PetscReal        filling = 0, mass, n[DIM];
   const PetscReal *normal;
 
-  if (!pressure->free_surface || a >= cloud->n_fluid) return 0;
+  if (!pressure->free_surface || a >= cloud->n_fluid || CloudPushes(cloud, a)) return 0;
   mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
   if (cloud->field[FIELD_LAMBDA][a] < FILLED_LAMBDA)
     filling = FACTOR * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);

@@ -44,6 +44,21 @@ static inline SimdSingle PairWeights(Pressure pressure, PetscBool one, const Pet
   return weight * __builtin_convertvector(parts, SimdSingle);
 }
 
+/* Takes away the weights between particle a and other boundaries, for liquid that pushes; returns the sum of the
+ * others.
+ */
+static PetscReal LoosenBounds(Pressure pressure, PetscInt a)
+{
+  const Cloud cloud = pressure->cloud;
+  PetscReal   sum   = 0;
+
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    if (CloudBounds(cloud, cloud->list[k])) pressure->pair_weight[k] = 0;
+    sum += pressure->pair_weight[k];
+  }
+  return sum;
+}
+
 /* Sets the weights of the pairs of particle a; returns their sum. */
 static inline PetscReal RowWeights(Pressure pressure, PetscBool one, const PetscReal radius[], PetscInt a)
 {
@@ -57,6 +72,7 @@ static inline PetscReal RowWeights(Pressure pressure, PetscBool one, const Petsc
     (void)memcpy(pressure->pair_weight + k, &weight, sizeof(weight));
     sum += SimdFirst(__builtin_convertvector(weight, Simd), (PetscInt)PetscMin(end - k, SIMD_WIDTH));
   }
+  if (cloud->pushing && CloudBounds(cloud, a)) return LoosenBounds(pressure, a);
   return SimdSum(sum);
 }
 
@@ -76,7 +92,7 @@ static PetscErrorCode SetWeights(Pressure pressure)
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
-  pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !one);
+  pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !one || cloud->pushing);
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count + SIMD_WIDTH > pressure->weight_capacity) { /* rows are read and written in multiples of SIMD_WIDTH */
     pressure->weight_capacity = count + count / 16 + SIMD_WIDTH;
@@ -135,7 +151,8 @@ static PetscErrorCode FindFreeSurface(Pressure pressure)
   PetscInt flags = 0;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < cloud->n_fluid && !flags; a++) flags = cloud->integer[INT_SURFACE][a] == 1;
+  for (PetscInt a = 0; a < cloud->n_fluid && !flags; a++)
+    flags = cloud->integer[INT_SURFACE][a] == 1 && !CloudPushes(cloud, a);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &flags, 1, MPIU_INT, MPI_MAX, cloud->comm));
   pressure->free_surface = (PetscBool)(flags > 0);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -285,6 +302,11 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
   PetscCall(VecRestoreArrayRead(x, &p));
   if (constant) PetscCall(MatNullSpaceRemove(constant, y));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool PressureIsClosed(Pressure pressure)
+{
+  return pressure->constant_null;
 }
 
 static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)

@@ -138,6 +138,9 @@ PetscBool        PressureCloses(Pressure pressure, PetscInt a);
 const PetscReal *PressureClosure(Pressure pressure);
 PetscReal        PressureStep(Pressure pressure);
 PetscReal        PressureFull(Pressure pressure);
+/* PressureIsClosed - whether no row of the last solve was closed: the liquid has no free surface anywhere. Not
+   collective. */
+PetscBool PressureIsClosed(Pressure pressure);
 /* PressureDensity - the density by which the operators divide, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);
 /* PressureLattice - properties of a full lattice. diagonal: Lambda_0 of Nair & Tomar, the diagonal of Eq. (8) for V =

@@ -83,7 +83,7 @@ JET = """-dimension 2 -spacing 0.1e-3 -box_lower -2e-3,0 -box_upper 2e-3,10e-3 -
  -jet_lower -0.5e-3,9e-3 -jet_upper 0.5e-3,9.5e-3 -jet_velocity 0,-1 -time_step 2e-5 """
 whole = runs.run(JET + "-time_end 2.1e-3 -checkpoint_interval 1e-3", "jet")
 count = len(runs.fields(runs.numbered(whole, "snapshot")[-1])["id"])
-runs.check(count == 5 * 50, "jet_of_five_fillings", f"{count} particles, not 250")
+runs.check(count == 26 * 10, "jet_of_26_rows", f"{count} particles, not 260")  # five at the start, then one each 0.1 ms
 last = runs.fields(runs.numbered(whole, "snapshot")[-1])
 runs.check(len(set(last["id"])) == count, "emitted_ids_differ", "they do not")
 y = np.sort(last["position"][:, 1])
