@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Gas in odd scenes: many pockets and too many, a layer of liquid between two gases, a pocket across a periodic face
-and one at an open face, an emitter in a closed vessel, steps that are taken back, viscosity, long steps, a wave that
-breaks over its gas."""
+and one at an open face, an emitter in a closed vessel, steps that are taken back, viscosity, long steps, thin
+films, a wave that breaks over its gas."""
 import os
 import sys
 
@@ -98,6 +98,16 @@ back = pockets(runs.run(DROP + "-displacement_max 0.2", "back"))
 taken = runs.series(runs.scratch("back"))["rejected"][-1]
 runs.check(taken > 0, "steps_are_taken_back", taken)
 runs.check_within(back["pressure"].max() / smooth["pressure"].max(), 0.97, 1.03, "the_same_after_steps_taken_back")
+
+# a ring of liquid of two and of three spacings around gas, a bubble of soap, holds for its capillary time: steps of a
+# tenth of the period at which it breathes
+SOAP = ALL.replace("-water_viscosity 0 -bodies water", "-bodies ring") + """-spacing 1e-3 -box_lower -0.025,-0.025
+ -box_upper 0.025,0.025 -ring_shape sphere -ring_center 0,0 -ring_holes hole -hole_shape sphere -hole_center 0,0
+ -hole_radius 0.01 -ring_tension 0.072 -gas_pressure_start 101339.4 -time_step 1.5e-4 -time_end 0.118 """
+for thick in 2, 3:
+    gas = pockets(runs.run(SOAP + f"-ring_radius {0.01 + thick * 1e-3}", f"film_{thick}"))
+    runs.check(gas["time"][-1] > 0.117 and gas["pocket"].max() == 1, f"film_of_{thick}_spacings_holds", gas["time"][-1])
+    runs.check_within(gas["pressure"].mean() / (2 * 0.072 / 0.01), 0.5, 1.1, f"pressure_in_a_film_of_{thick}_spacings")
 
 # A dam break beyond its plunge: the tube of gas breaks up, and voids open in the liquid. With the pressure around them
 # outside, these grew: 70 and 23 J/m of 265. Energy of liquid and gas may only fall; 2 J/m are left for what splits do.
