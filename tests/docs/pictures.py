@@ -419,6 +419,8 @@ runs.check(label == "time (ms)", "time_of_curves", label)
 # moments between which the scene changes alike: nothing but the time passes until 6, then a height rises
 changes = {"time": [0, 6, 10], "step": [0, 1, 2], "highest": [1, 1, 3], "volume": [1, 2, 3], "height_1": [5] * 3}
 close(columns.progress(changes, SERIES, [0, 6, 8, 10]), (0, 0.3, 0.65, 1), "half_of_the_change_is_the_height's")
+back = {"time": [0, 1, 2], "highest": [0, 3, 2]}  # up and down again is change, too
+close(columns.progress(back, SERIES, [0, 1, 2]), (0, 0.625, 1), "what_goes_back_changes")
 drawn = list(columns.chosen(changes, SERIES))
 runs.check(drawn == ["highest"], "no_curve_of_a_constant", drawn)
 run.files = [(time, "") for time in range(11)]
