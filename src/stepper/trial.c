@@ -43,7 +43,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
     trial->largest[LARGEST_DENSITY] = PetscMax(trial->largest[LARGEST_DENSITY], ratio);
     trial->sum[SUM_SURFACE_ENERGY] += sigma * TrialSurfaceArea(cloud, a);
     trial->sum[SUM_UNDERRESOLVED] += IsUnderresolved(stepper, a);
-    if (cloud->integer[INT_SURFACE][a]) continue;
+    if (cloud->integer[INT_SURFACE][a] || PressureHolds(stepper->pressure, a)) continue; /* nothing corrects it there */
     trial->sum[SUM_DENSITY] += ratio;
     trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);
     trial->sum[SUM_INSIDE]++;
@@ -53,7 +53,8 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
   PetscCall(CloudGetWork(cloud, 1, &div));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div, NULL, NULL));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (!cloud->integer[INT_SURFACE][a]) trial->sum[SUM_DIVERGENCE2] += PetscSqr(div[a]);
+    if (!cloud->integer[INT_SURFACE][a] && !PressureHolds(stepper->pressure, a))
+      trial->sum[SUM_DIVERGENCE2] += PetscSqr(div[a]);
   PetscCall(CloudRestoreWork(cloud, &div));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
