@@ -464,12 +464,21 @@ RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shif
                                      half, later, cut, far, frame, keeps)}
 
 
+def resolves(run, spacing):
+    """Whether no solid is thinner than a spacing. The stirred tank, full, with a paddle of 0.8 spacings, gains a third of
+    its energy in ten steps, and rounding grows 40 000 times in one of them; from 1.2 spacings on it keeps all relations."""
+    with open(os.path.join(run.folder, "scene.json"), encoding="utf-8") as file:
+        solids = json.load(file)["solids"]
+    return all(high - low >= spacing for solid in solids for low, high in zip(solid["lower"], solid["upper"]))
+
+
 def prepared(scene):
     """A Trial of a file's scene at the coarsest spacing that it bears."""
     for factor in FACTORS:
         trial = Trial(coarse(scene, factor), STEPS[scene.dim])
         try:
-            if len(trial.run(trial.scene, steps=1).first["id"]) >= LEAST[scene.dim] or factor == FACTORS[-1]:
+            run = trial.run(trial.scene, steps=1)
+            if factor == FACTORS[-1] or len(run.first["id"]) >= LEAST[scene.dim] and resolves(run, trial.scene.spacing):
                 return trial
         except (Unfit, RuntimeError):
             if factor == FACTORS[-1]:
