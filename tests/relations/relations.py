@@ -465,8 +465,8 @@ RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shif
 
 
 def resolves(run, spacing):
-    """Whether no solid is thinner than a spacing. The stirred tank, full, with a paddle of 0.8 spacings, gains a third of
-    its energy in ten steps, and rounding grows 40 000 times in one of them; from 1.2 spacings on it keeps all relations."""
+    """Whether no solid is thinner than a spacing. The stirred tank, full, with a paddle of 0.8 spacings, gains a third
+    of its energy in ten steps, and rounding grows 40 000 times in one; from 1.2 spacings on it keeps all relations."""
     with open(os.path.join(run.folder, "scene.json"), encoding="utf-8") as file:
         solids = json.load(file)["solids"]
     return all(high - low >= spacing for solid in solids for low, high in zip(solid["lower"], solid["upper"]))
