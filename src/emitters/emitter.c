@@ -200,27 +200,25 @@ PetscReal EmissionFilling(const Emission *emission, PetscInt k, PetscInt p)
   return emission->way[p] < 0 ? k : emission->stretch * k + (emission->stretch - 1) * emission->way[p];
 }
 
+/* Whether the point at a distance (m) from x along the emitter's velocity is in the shape. */
+static PetscBool Inside(Body body, const PetscReal x[DIM], PetscReal way)
+{
+  PetscReal y[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + way * body->uniform[d] / Norm(body->uniform);
+  return (PetscBool)(BodyDistance(body, y) < 0);
+}
+
 /* The distance (m) from x in the shape to its surface, along the emitter's velocity or against it (sign -1). */
 static PetscReal WayOut(Body body, const PetscReal x[DIM], PetscReal sign)
 {
-  const PetscReal speed = Norm(body->uniform), step = WAY_STEP * body->domain->spacing;
-  PetscReal       way = 0, least = 0, most;
+  const PetscReal step = WAY_STEP * body->domain->spacing, length = LengthAlong(body, Norm(body->uniform));
+  PetscReal       least = 0, most = step, way = step;
 
-  do {
-    PetscReal y[DIM];
-
-    least = way;
-    way += step;
-    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + sign * way * body->uniform[d] / speed;
-    if (BodyDistance(body, y) >= 0) break;
-  } while (way < LengthAlong(body, speed));
-  most = way;
+  for (; Inside(body, x, sign * most) && most < length; most += step) least = most;
   for (PetscInt k = 0; k < WAY_HALVINGS; k++) {
-    PetscReal y[DIM];
-
     way = 0.5 * (least + most);
-    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + sign * way * body->uniform[d] / speed;
-    if (BodyDistance(body, y) < 0)
+    if (Inside(body, x, sign * way))
       least = way;
     else
       most = way;
@@ -246,12 +244,10 @@ void EmissionShift(Body body, PetscReal k, PetscReal time, PetscReal shift[DIM])
 
 PetscBool EmissionIsJet(Body body, PetscInt *along)
 {
-  const Emitter  *e     = (const Emitter *)body->type_data;
-  const PetscReal speed = Norm(body->uniform);
+  const PetscReal *v = body->uniform;
 
-  for (*along = 0; *along < body->domain->dim - 1 && body->uniform[*along] == 0;) (*along)++;
-  return (PetscBool)(PetscAbsReal(body->uniform[*along]) == speed &&
-                     e->interval <= LengthAlong(body, speed) / speed * (1 + INTERVAL_ROUNDING));
+  for (*along = 0; *along < body->domain->dim - 1 && v[*along] == 0;) (*along)++;
+  return (PetscBool)(PetscAbsReal(v[*along]) == Norm(v) && WithoutGaps(body));
 }
 
 static void Velocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])

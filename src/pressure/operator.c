@@ -44,8 +44,7 @@ static inline SimdSingle PairWeights(Pressure pressure, PetscBool one, const Pet
   return weight * __builtin_convertvector(parts, SimdSingle);
 }
 
-/* Takes away the weights between particle a and other boundaries, for liquid that pushes; returns the sum of the
- * others.
+/* Takes away the weights between particle a and other boundaries, for liquid that pushes. Returns the sum of the rest.
  */
 static PetscReal LoosenBounds(Pressure pressure, PetscInt a)
 {
