@@ -28,11 +28,23 @@
 #define NORM_3            (21 / (16 * PETSC_PI * PetscSqr(PetscSqr(KERNEL_WIDTH)) * KERNEL_WIDTH))
 
 #define PLANES_MOST (DIM + 1)
+#define BATCH       64 /* pairs whose displacements are found together, in SIMD registers */
 
 /* A mirror: a point on it and its normal. */
 typedef struct {
   PetscReal at[DIM], normal[DIM];
 } Plane;
+
+/* Where a point is, and its spacing, m. */
+typedef struct {
+  PetscReal x[DIM], s;
+} Place;
+
+/* Pairs within the support: r from the neighbour to the point (m), r^2 over the mean spacing's square, which is 'mean'
+   (m), and the neighbour's spacing (m). */
+typedef struct {
+  PetscReal r[DIM][BATCH], square[BATCH], mean[BATCH], s[BATCH];
+} Pairs;
 
 typedef struct {
   Region    *region;
@@ -42,8 +54,14 @@ typedef struct {
   PetscReal *force; /* [n][3] of this rank's points, m */
   CellGrid   grid;
   PetscInt   low, high;              /* this rank's points: low to high - 1 */
-  PetscInt  *first, *list, capacity; /* their neighbours */
+  Place     *place;                  /* [n] of all points in the order of the grid, which is that of memory, too */
+  PetscInt  *first, *list, capacity; /* neighbours of this rank's points; both are numbers in that order */
 } Spread;
+
+static inline PetscBool IsOwn(const Spread *p, PetscInt a)
+{
+  return (PetscBool)(a >= p->low && a < p->high);
+}
 
 /* Finds the neighbours of this rank's points. */
 static PetscErrorCode FindNear(Spread *p)
@@ -52,11 +70,13 @@ static PetscErrorCode FindNear(Spread *p)
 
   PetscFunctionBegin;
   PetscCall(CellGridBuild(&p->grid, p->domain->dim, p->region->n, p->x, SUPPORT * p->domain->spacing, 1));
-  for (PetscInt a = p->low; a < p->high; a++) {
+  for (PetscInt i = 0; i < p->region->n; i++) {
+    const PetscInt   a = p->grid.order[i];
     const PetscReal *x = p->x + DIM * a, reach = SUPPORT * LIST_MARGIN * p->s[a] + LIST_SLACK * p->s[a];
     PetscInt         low[DIM], high[DIM], cell[DIM];
 
-    p->first[a] = used;
+    p->first[i] = used;
+    if (!IsOwn(p, a)) continue;
     for (PetscInt d = 0; d < DIM; d++) {
       low[d] = cell[d] = PetscMax(0, (PetscInt)((x[d] - reach - p->grid.lower[d]) / p->grid.size));
       high[d] =
@@ -74,12 +94,22 @@ static PetscErrorCode FindNear(Spread *p)
           p->capacity = 2 * p->capacity + 1024;
           PetscCall(PetscRealloc(p->capacity * sizeof(PetscInt), &p->list));
         }
-        p->list[used++] = b; /* the point itself too, for its images */
+        p->list[used++] = k; /* the point itself too, for its images */
       }
     } while (CellNext(low, high, cell));
   }
-  p->first[p->high] = used;
+  p->first[p->region->n] = used;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void CollectPlaces(Spread *p)
+{
+  for (PetscInt k = 0; k < p->region->n; k++) {
+    const PetscInt b = p->grid.order[k];
+
+    for (PetscInt d = 0; d < DIM; d++) p->place[k].x[d] = p->x[DIM * b + d];
+    p->place[k].s = p->s[b];
+  }
 }
 
 /* The body or solid that the region fills; NULL: a block. */
@@ -156,50 +186,84 @@ static PetscInt FindPlanes(const Spread *p, const PetscReal x[DIM], PetscReal re
   return n + 1;
 }
 
-/* Adds the displacement of a point at x with spacing s by a neighbour at y with spacing s_b, whose volume is
-   s_b^dim. */
-static void AddDisplacement(const Spread *p, const PetscReal x[DIM], PetscReal s, const PetscReal y[DIM], PetscReal s_b,
-                            PetscReal force[DIM])
+/* Adds the displacements of a point with spacing s by n pairs, whose neighbours have the volume s_b^dim. */
+static void AddDisplacements(const Spread *p, PetscReal s, PetscInt n, const Pairs *pairs, PetscReal force[DIM])
 {
-  const PetscInt  dim  = p->region->dim;
-  const PetscReal mean = 0.5 * (s + s_b), r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]},
-                  r2 = Dot(r, r) / (mean * mean);
-  PetscReal q, f, clump;
+  const PetscBool flat = (PetscBool)(p->region->dim == 2);
+  PetscReal       f[BATCH];
 
-  if (r2 >= SUPPORT * SUPPORT || r2 == 0) return;
-  q     = PetscSqrtReal(r2) / KERNEL_WIDTH;
-  clump = WENDLAND(q) / WENDLAND(1 / KERNEL_WIDTH);
-  f     = STRENGTH * s * s * PetscPowRealInt(s_b / mean, (int)dim) * WENDLAND_SLOPE(q) / (mean * mean) *
-      (dim == 2 ? NORM_2 : NORM_3) * (1 + CLUMP_WEIGHT * PetscSqr(clump * clump));
-  for (PetscInt d = 0; d < DIM; d++)
-    if (p->region->along[d]) force[d] += f * r[d];
+#pragma omp simd
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal mean = pairs->mean[k], q = PetscSqrtReal(pairs->square[k]) / KERNEL_WIDTH,
+                    ratio = pairs->s[k] / mean, clump = WENDLAND(q) / WENDLAND(1 / KERNEL_WIDTH);
+
+    f[k] = STRENGTH * s * s * (flat ? ratio * ratio : ratio * (ratio * ratio)) * WENDLAND_SLOPE(q) / (mean * mean) *
+           (flat ? NORM_2 : NORM_3) * (1 + CLUMP_WEIGHT * PetscSqr(clump * clump));
+  }
+  for (PetscInt k = 0; k < n; k++)
+    for (PetscInt d = 0; d < DIM; d++)
+      if (p->region->along[d]) force[d] += f[k] * pairs->r[d][k];
 }
 
-/* The displacement of point a. */
-static void FindForce(const Spread *p, PetscInt a, PetscReal force[DIM])
+/* Sets pair n to a neighbour at y with spacing s_b of a point at x with spacing s, and returns whether it is within the
+   support. */
+static inline PetscInt SetPair(const PetscReal x[DIM], PetscReal s, const PetscReal y[DIM], PetscReal s_b, PetscInt n,
+                               Pairs *pairs)
 {
-  const PetscReal *x = p->x + DIM * a;
+  const PetscReal mean = 0.5 * (s + s_b), r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]},
+                  square = Dot(r, r) / (mean * mean);
+
+  for (PetscInt d = 0; d < DIM; d++) pairs->r[d][n] = r[d];
+  pairs->square[n] = square;
+  pairs->mean[n]   = mean;
+  pairs->s[n]      = s_b;
+  return (square < SUPPORT * SUPPORT) & (square != 0);
+}
+
+/* The height of y above the plane, m. */
+static inline PetscReal Height(const Plane *plane, const PetscReal y[DIM])
+{
+  const PetscReal r[DIM] = {y[0] - plane->at[0], y[1] - plane->at[1], y[2] - plane->at[2]};
+
+  return Dot(r, plane->normal);
+}
+
+/* The displacement of point a, the i-th in the order of the grid. */
+static void FindForce(const Spread *p, PetscInt i, PetscInt a, PetscReal force[DIM])
+{
+  const PetscReal *x = p->x + DIM * a, s = p->s[a];
   Plane            plane[PLANES_MOST];
-  const PetscInt   planes = FindPlanes(p, x, SUPPORT * LIST_MARGIN * p->s[a], plane);
+  const PetscInt   planes = FindPlanes(p, x, SUPPORT * LIST_MARGIN * s, plane);
+  const PetscReal  own    = planes ? Height(&plane[0], x) : 0;
+  PetscInt         n      = 0;
+  Pairs            pairs;
 
   force[0] = force[1] = force[2] = 0;
-  for (PetscInt k = p->first[a]; k < p->first[a + 1]; k++) {
-    const PetscInt b = p->list[k];
+  for (PetscInt k = p->first[i]; k < p->first[i + 1]; k++) {
+    const Place    *b      = &p->place[p->list[k]];
+    const PetscReal height = planes ? Height(&plane[0], b->x) : 0;
+    /* the image of one plane is at least as far as the sum of both heights */
+    const PetscInt images =
+      planes == 1 && PetscAbsReal(own + height) > SUPPORT * (1 + PETSC_SQRT_MACHINE_EPSILON) * 0.5 * (s + b->s)
+        ? 1
+        : 1 << planes;
 
-    for (PetscInt image = 0; image < 1 << planes; image++) {
-      PetscReal y[DIM] = {p->x[DIM * b], p->x[DIM * b + 1], p->x[DIM * b + 2]};
+    for (PetscInt image = 0; image < images; image++) {
+      PetscReal y[DIM] = {b->x[0], b->x[1], b->x[2]};
 
-      if (b == a && image == 0) continue;
       for (PetscInt m = 0; m < planes; m++) {
-        const PetscReal d[DIM] = {y[0] - plane[m].at[0], y[1] - plane[m].at[1], y[2] - plane[m].at[2]},
-                        height = Dot(d, plane[m].normal);
+        const PetscReal up = image >> m & 1 ? 2 * Height(&plane[m], y) : 0;
 
         if (image >> m & 1)
-          for (PetscInt e = 0; e < DIM; e++) y[e] -= 2 * height * plane[m].normal[e];
+          for (PetscInt e = 0; e < DIM; e++) y[e] -= up * plane[m].normal[e];
       }
-      AddDisplacement(p, x, p->s[a], y, p->s[b], force);
+      n += SetPair(x, s, y, b->s, n, &pairs);
+      if (n < BATCH) continue;
+      AddDisplacements(p, s, n, &pairs, force);
+      n = 0;
     }
   }
+  AddDisplacements(p, s, n, &pairs, force);
 }
 
 /* Whether a centre may move from the depth 'from' below a surface to the depth 'to': deep enough, or at least not less
@@ -243,7 +307,12 @@ static void KeepDepth(const Spread *p, const RegionPoint *point, PetscReal most,
 /* One round: all forces, then all displacements. */
 static void Move(Spread *p)
 {
-  for (PetscInt a = p->low; a < p->high; a++) FindForce(p, a, p->force + DIM * a);
+  CollectPlaces(p);
+  for (PetscInt i = 0; i < p->region->n; i++) {
+    const PetscInt a = p->grid.order[i];
+
+    if (IsOwn(p, a)) FindForce(p, i, a, p->force + DIM * a);
+  }
   for (PetscInt a = p->low; a < p->high; a++) {
     PetscReal *force = p->force + DIM * a, y[DIM], length;
 
@@ -279,7 +348,7 @@ PetscErrorCode RegionSpread(Region *region)
   PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));
   PetscCallMPI(MPI_Type_contiguous(DIM, MPIU_REAL, &position));
   PetscCallMPI(MPI_Type_commit(&position));
-  PetscCall(PetscMalloc4(DIM * n, &p.x, n, &p.s, DIM * n, &p.force, n + 1, &p.first));
+  PetscCall(PetscMalloc5(DIM * n, &p.x, n, &p.s, DIM * n, &p.force, n + 1, &p.first, n, &p.place));
   for (PetscInt a = 0; a < n; a++) {
     const RegionPoint *point = &region->point[a];
 
@@ -299,7 +368,7 @@ PetscErrorCode RegionSpread(Region *region)
   for (PetscInt a = 0; a < n; a++) PetscCall(PetscArraycpy(region->point[a].x, p.x + DIM * a, DIM));
   PetscCallMPI(MPI_Type_free(&position));
   PetscCall(PetscFree2(count, start));
-  PetscCall(PetscFree4(p.x, p.s, p.force, p.first));
+  PetscCall(PetscFree5(p.x, p.s, p.force, p.first, p.place));
   PetscCall(PetscFree(p.list));
   PetscCall(CellGridReset(&p.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
