@@ -5,9 +5,8 @@
 
 #define ROUNDS       150 /* of displacements */
 #define SOLID_ROUNDS 60  /* of the dummies of a solid, which start from a lattice */
-#define LIST_ROUNDS  5   /* between two searches of neighbours */
-#define LIST_MARGIN  1.1 /* on the support, for motion between searches and for larger neighbours */
-#define LIST_SLACK   0.5 /* spacings, the same */
+#define LIST_MARGIN  1.1 /* on the support, for larger neighbours, where sizes differ */
+#define LIST_SLACK   0.3 /* spacings by which two points may come closer before neighbours are searched anew */
 #define KERNEL_WIDTH 1.3 /* smoothing length, spacings */
 #define SUPPORT      (2 * KERNEL_WIDTH)
 #define STRENGTH     0.3 /* factor of a displacement: times s^2 times the sum */
@@ -51,6 +50,8 @@ typedef struct {
   Scene      scene;
   Domain     domain;
   PetscReal *x, *s; /* [n][3], [n] m */
+  PetscReal *then;  /* [n][3] m, x at the last search of neighbours */
+  PetscReal  reach; /* of neighbours, spacings */
   PetscReal *force; /* [n][3] of this rank's points, m */
   CellGrid   grid;
   PetscInt   low, high;              /* this rank's points: low to high - 1 */
@@ -72,7 +73,7 @@ static PetscErrorCode FindNear(Spread *p)
   PetscCall(CellGridBuild(&p->grid, p->domain->dim, p->region->n, p->x, SUPPORT * p->domain->spacing, 1));
   for (PetscInt i = 0; i < p->region->n; i++) {
     const PetscInt   a = p->grid.order[i];
-    const PetscReal *x = p->x + DIM * a, reach = SUPPORT * LIST_MARGIN * p->s[a] + LIST_SLACK * p->s[a];
+    const PetscReal *x = p->x + DIM * a, reach = (p->reach + LIST_SLACK) * p->s[a];
     PetscInt         low[DIM], high[DIM], cell[DIM];
 
     p->first[i] = used;
@@ -99,7 +100,21 @@ static PetscErrorCode FindNear(Spread *p)
     } while (CellNext(low, high, cell));
   }
   p->first[p->region->n] = used;
+  PetscCall(PetscArraycpy(p->then, p->x, DIM * p->region->n));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether two points may have come closer by more than the slack since the last search of neighbours. */
+static PetscBool Moved(const Spread *p)
+{
+  PetscReal most = 0;
+
+  for (PetscInt a = 0; a < p->region->n; a++) {
+    const PetscReal *x = p->x + DIM * a, *y = p->then + DIM * a, r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+
+    most = PetscMax(most, Dot(r, r) / PetscSqr(p->s[a]));
+  }
+  return (PetscBool)(2 * PetscSqrtReal(most) > LIST_SLACK);
 }
 
 static void CollectPlaces(Spread *p)
@@ -233,7 +248,7 @@ static void FindForce(const Spread *p, PetscInt i, PetscInt a, PetscReal force[D
 {
   const PetscReal *x = p->x + DIM * a, s = p->s[a];
   Plane            plane[PLANES_MOST];
-  const PetscInt   planes = FindPlanes(p, x, SUPPORT * LIST_MARGIN * s, plane);
+  const PetscInt   planes = FindPlanes(p, x, p->reach * s, plane);
   const PetscReal  own    = planes ? Height(&plane[0], x) : 0;
   PetscInt         n      = 0;
   Pairs            pairs;
@@ -336,6 +351,7 @@ PetscErrorCode RegionSpread(Region *region)
   MPI_Datatype   position;
 
   PetscFunctionBegin;
+  p.reach = region->coarsest > p.domain->spacing ? SUPPORT * LIST_MARGIN : SUPPORT;
   while (fixed < n && region->point[fixed].fixed) fixed++;
   PetscCallMPI(MPI_Comm_size(cloud->comm, &size));
   PetscCall(PetscMalloc2(size, &count, size, &start));
@@ -348,7 +364,7 @@ PetscErrorCode RegionSpread(Region *region)
   PetscCallMPI(MPI_Allgather(&own, 1, MPI_INT, count, 1, MPI_INT, cloud->comm));
   PetscCallMPI(MPI_Type_contiguous(DIM, MPIU_REAL, &position));
   PetscCallMPI(MPI_Type_commit(&position));
-  PetscCall(PetscMalloc5(DIM * n, &p.x, n, &p.s, DIM * n, &p.force, n + 1, &p.first, n, &p.place));
+  PetscCall(PetscMalloc6(DIM * n, &p.x, DIM * n, &p.then, n, &p.s, DIM * n, &p.force, n + 1, &p.first, n, &p.place));
   for (PetscInt a = 0; a < n; a++) {
     const RegionPoint *point = &region->point[a];
 
@@ -360,7 +376,7 @@ PetscErrorCode RegionSpread(Region *region)
                                     PetscMin(region->upper[d] - LEAST_DEPTH * p.s[a], p.x[DIM * a + d]));
   }
   for (PetscInt round = 0; round < (region->solid ? SOLID_ROUNDS : ROUNDS); round++) {
-    if (round % LIST_ROUNDS == 0) PetscCall(FindNear(&p));
+    if (round == 0 || Moved(&p)) PetscCall(FindNear(&p));
     Move(&p);
     PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, p.x, count, start, position, cloud->comm));
     PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, p.s, count, start, MPIU_REAL, cloud->comm));
@@ -368,7 +384,7 @@ PetscErrorCode RegionSpread(Region *region)
   for (PetscInt a = 0; a < n; a++) PetscCall(PetscArraycpy(region->point[a].x, p.x + DIM * a, DIM));
   PetscCallMPI(MPI_Type_free(&position));
   PetscCall(PetscFree2(count, start));
-  PetscCall(PetscFree5(p.x, p.s, p.force, p.first, p.place));
+  PetscCall(PetscFree6(p.x, p.then, p.s, p.force, p.first, p.place));
   PetscCall(PetscFree(p.list));
   PetscCall(CellGridReset(&p.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
