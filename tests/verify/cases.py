@@ -149,7 +149,8 @@ ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, spacings=(5.715e-3, 2.
             Entry("dam_break", "collapse", PRINTED, TEST, printed=True),
             Entry("dam_break", "collapse, 3-d", REGULAR, file="case_3d.opts"),
             Entry("dam_break", "impact", REGULAR, file="impact.opts", spacings=(0.03, 0.015, 0.0075)),
-            Entry("dam_break", "impact, 3-d", REGULAR, LONG, file="impact_3d.opts")]
+            Entry("dam_break", "impact, 3-d", REGULAR, LONG, file="impact_3d.opts"),
+            Entry("dam_break", "trapped air", REGULAR, file="trapped.opts")]
 
 # surface tension: with the default model, the paper's (calibrated for the program; as printed), and the whole scheme
 # as printed
@@ -232,6 +233,11 @@ ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", T
 ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=RINGS),
             Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"),
             Entry("breathing_bubble", "graded rings", file="deep.opts"), Entry("rising_bubble"),
+            Entry("breathing_bubble", "10 um of air in water", file="minnaert.opts"),
+            Entry("breathing_bubble", "100 um of air in water", "-shell_tension 0.00711 -shell_viscosity 0.000993 "
+                  "-gas_pressure_start 1.06866", file="minnaert.opts"),
+            Entry("breathing_bubble", "1 um of air in water", "-shell_tension 0.711 -shell_viscosity 0.0993 "
+                  "-gas_pressure_start 2.91638 -time_step 0.02 -time_end 5", file="minnaert.opts"),
             Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle"),
             Entry("gas_piston"), Entry("gas_piston", "3-d", file="case_3d.opts")]
 ENTRIES += [Entry("rising_bubble", f"rings, M {morton}", f"-liquid_viscosity {viscosity}", file=RINGS)

@@ -39,7 +39,7 @@ INPUT = """{graph} {{
   RemoveDroplets {{ istep = 20 }} T 5
   AdaptGradient {{ istep = 1 }} {{ cmax = 1e-2 minlevel = 4 maxlevel = {level} }} T
   AdaptVorticity {{ istep = 1 }} {{ cmax = 2e-2 minlevel = 4 maxlevel = {level} - 1 }}
-  OutputSimulation {{ step = {interval} }} cells-%g.txt {{ variables = U,V,T format = text }}
+  OutputSimulation {{ step = {interval} }} cells-%g.txt {{ variables = U,V,T,P format = text }}
   OutputScalarSum {{ step = {interval} }} energy {{ v = 0.5*{density}*T*Velocity2 }}
   {more}
 }}
@@ -175,6 +175,7 @@ COLUMN = Scene(0.16, 3, 0.0, 8, 0.25, 4e-3, "MIN(57.15e-3 - x, 114.3e-3 - y)", "
                0.0, axisymmetric=False, step=1e-3)
 TANK = Scene(0.805, 2, 0.0, 8, 1.12, 0.05, "MIN(0.6 - x, 0.3 - y)", "x < 0.65 && y < 0.35", 1000.0, 1e-3, 0.0,
              axisymmetric=False, step=2e-3, points=((1.6095, 0.015),))
+TRAPPED = TANK._replace(level=7, end=1.4, interval=0.02, points=())
 
 
 def crown(scene, folder, layer=(0.29e-3, 1.16e-3)):
@@ -214,6 +215,29 @@ def fall(scene, folder):
     return "time,front,height", sorted(rows)
 
 
+def trapped(scene, folder, height=0.8, least=8):
+    """Front on the floor, kinetic energy, and the largest region of air of 'least' cells or more that no way connects
+    with the top."""
+    rows, n, m = [], round(scene.count * scene.size / scene.cell), round(height / scene.cell)
+    x, y = scene.cell * (np.arange(n) + 0.5), scene.cell * (np.arange(m) + 0.5)
+    points = np.stack(np.meshgrid(x, y, indexing="ij"), -1).reshape(-1, 2)
+    kinetic = {float(line.split()[2]): float(line.split()[4])
+               for line in open(os.path.join(folder, "energy"), encoding="utf-8")}
+    for path in glob.glob(folder + "/cells-*.txt"):
+        with open(path, encoding="utf-8") as file:
+            time = float(file.readline().split()[-1])
+        cells = np.loadtxt(path, usecols=(0, 1, 5, 6))
+        nearest = spatial.cKDTree(cells[:, :2]).query(points)[1].reshape(n, m)
+        T, p = cells[nearest, 2], cells[nearest, 3]
+        regions, count = ndimage.label(T < 0.5)
+        inside = [regions == k for k in range(1, count + 1) if k != regions[n // 2, -1]]
+        inside = max((part for part in inside if part.sum() >= least), key=np.sum, default=np.zeros((n, m), bool))
+        area = scene.cell**2 * (1 - T)[ndimage.binary_dilation(inside)].sum()
+        centre = points[inside.ravel()].mean(axis=0) if area else (0, 0)
+        rows.append((time, crossing(x, T[:, 0]), kinetic[time], area, p[inside].mean() if area else 0, *centre))
+    return "time,front,kinetic_energy,area,pressure,x,y", sorted(rows)
+
+
 def pressure(scene, folder, interval=1e-3):
     """Pressure at the point, Pa, mean of each interval."""
     rows = np.loadtxt(os.path.join(folder, "point_0"), usecols=(0, 4))
@@ -237,7 +261,9 @@ REFERENCES = {  # case: file, scene, columns, what it is
     "dry_wall": [("reference.csv", WALL, spread, "drop on a dry wall, 90 degrees")],
     "dam_break": [("reference_collapse.csv", COLUMN, fall, "column of 57.15 mm, over its width; walls let slide"),
                   ("reference_impact.csv", TANK, pressure,
-                   "pressure on the far wall 15 mm above the floor; walls let slide")],
+                   "pressure on the far wall 15 mm above the floor; walls let slide"),
+                  ("reference_trapped.csv", TRAPPED, trapped,
+                   "front on the floor, kinetic energy, the largest region of enclosed air; walls let slide")],
 }
 
 
