@@ -13,6 +13,7 @@ import physics  # noqa: E402
 import runs  # noqa: E402
 
 G, A, H = 9.81, 57.15e-3, 0.3  # m/s2; widths of Martin and Moyce, height of Lobovsky et al., m
+TANK, STIFFNESS = (1.61, 1.2), 1.4 * 101325  # m, of Lobovsky et al.; Pa, of air
 
 
 def experiment(name):
@@ -107,6 +108,72 @@ def impact(folder):
                           ((there >= low) & (there <= high))[chosen].mean())]
 
 
+def wider(part):
+    """The cells of a part and those beside them."""
+    more = part.copy()
+    for a, b in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        more[a] |= part[b]
+        more[b] |= part[a]
+    return more
+
+
+def grown(part, region):
+    """The cells of the region that hang together with a part of it."""
+    while True:
+        more = wider(part) & region
+        if (more == part).all():
+            return part
+        part = more
+
+
+def cells(x, spacing):
+    """The share of each cell of the tank that liquid fills: a particle is a square, and the sums are smoothed."""
+    n, m = (round(length / spacing) for length in TANK)
+    filled, parts = np.zeros((n, m)), (np.arange(4) - 1.5) / 4
+    for shift in np.stack(np.meshgrid(parts, parts), -1).reshape(-1, 2):
+        np.add.at(filled, tuple(np.clip((x / spacing + shift).astype(int), 0, (n - 1, m - 1)).T), 1 / 16)
+    for _ in range(2):
+        wide = np.pad(filled, ((1, 1), (0, 0)), "edge")
+        filled = (0.25 * (wide[:-2] + wide[2:]) + 0.5 * filled).T
+    return filled
+
+
+def own_period(x, spacing, centre):
+    """Period (s) of small oscillations of the pocket at the centre, among particles at x. Its pressure p moves liquid
+    by a potential that is harmonic, 0 at the open surface, constant around the pocket: with the flux Q for a unit,
+    V'' = Q p/rho, and p = -gamma p0 V/V0, so that the square of the frequency is gamma p0 Q/(rho V0)."""
+    filled = cells(x, spacing)
+    liquid, top = filled > 0.5, np.zeros(filled.shape, bool)
+    top[:, -1] = True
+    enclosed = ~liquid & ~grown(top & ~liquid, ~liquid)
+    there = np.argwhere(enclosed)
+    seed = there[(((there + 0.5) * spacing - centre)**2).sum(axis=1).argmin()]
+    pocket = np.zeros(filled.shape, bool)
+    pocket[tuple(seed)] = True
+    pocket = grown(pocket, enclosed)
+    weights = []
+    for low, high in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+        inner, outer = np.maximum(filled[low], filled[high]), np.minimum(filled[low], filled[high])
+        edge = 1 / np.clip((inner - 0.5) / np.maximum(inner - outer, 1e-9), 0.1, 1)  # over the way to the surface
+        weights.append(np.where(liquid[low] & liquid[high], 1.0, np.where(liquid[low] | liquid[high], edge, 0.0)))
+
+    def flux(phi):
+        across, along = weights[0] * np.diff(phi, axis=0), weights[1] * np.diff(phi, axis=1)
+        return (np.pad(across, ((1, 0), (0, 0))) - np.pad(across, ((0, 1), (0, 0))) +
+                np.pad(along, ((0, 0), (1, 0))) - np.pad(along, ((0, 0), (0, 1))))
+    phi = pocket.astype(float)
+    r = -flux(phi) * liquid
+    d, square = r, (r * r).sum()
+    while square > 1e-16 * pocket.sum():  # conjugate gradients
+        q = flux(d) * liquid
+        alpha = square / (d * q).sum()
+        phi, r = phi + alpha * d, r - alpha * q
+        before, square = square, (r * r).sum()
+        d = r + square / before * d
+    area = (1 - filled)[wider(wider(pocket))].sum() * spacing**2
+    return 2 * np.pi * np.sqrt(1000 * area / (STIFFNESS * (flux(phi) * pocket).sum()))
+
+
 def trapped(folder):
     """The air that the wave from the wall traps, until 1.3 s, when the reference traps more elsewhere. The computed
     gas is a spring and swings; the reference's is incompressible: pressures are means over time."""
@@ -124,6 +191,12 @@ def trapped(folder):
 
     def mean(time, values):
         return np.interp(window, time, values).mean()
+    swing = largest["pressure_Pa"] - mean(times, largest["pressure_Pa"])
+    up = times[1:][(swing[:-1] < 0) & (swing[1:] >= 0)]
+    up = up[(up > 1.07) & (up < 1.31)]
+    own = [own_period(f["position"][:, :2], float(head["spacing"]),
+                      [np.interp(time, times, largest[f"{c}_m"]) for c in "xy"])
+           for time, head, f in physics.snapshots(folder) if 1.08 < time < 1.31]
     distance = np.hypot(*(mean(times, largest[f"{c}_m"]) - mean(there["time"], there[c]) for c in "xy"))
     return [physics.at_most("front at 0.2 and 0.3 s beside the reference, largest relative deviation", fronts.max(),
                             0.05),
@@ -134,6 +207,8 @@ def trapped(folder):
             physics.absolute("mean pressure of the pocket from 1.1 to 1.3 s over rho g H",
                              mean(times, largest["pressure_Pa"]) / (1000 * G * H),
                              mean(there["time"], there["pressure"]) / (1000 * G * H), 0.1),
+            physics.relative("period of the gas from 1.08 to 1.3 s, beside linear theory", np.diff(up).mean(),
+                             np.mean(own), 0.05, "s"),
             physics.at_most("kinetic energy until closing beside the reference, largest deviation over its largest",
                             energy[right["time"] < start].max() / right["kinetic_energy"].max(), 0.05),
             physics.shown("the same until 1.3 s", energy[right["time"] < 1.31].max() / right["kinetic_energy"].max()),

@@ -53,6 +53,9 @@ class Pockets:
         weight = share * (run.spacing / self.cell) ** len(self.axes)
         full, liquid = surface.spread((near[:, self.axes] - low) / self.cell, size, [weight, weight * own], shape,
                                       surface.FILTER * run.spacing / self.cell)
+        for d, axis in enumerate(self.axes):
+            if run.faces[axis][1] != "open":  # a node beyond a face is no gas
+                full[(np.s_[:],) * d + (low[d] + self.cell * np.arange(shape[d]) > high[d],)] = 1
         wet = surface.blur((liquid > surface.LEVEL).astype(np.float32), 1.0) > 1e-3  # solids are hollow here
         number = regions(full < surface.LEVEL)
         kept = np.bincount(number.ravel()) * self.cell ** len(self.axes) >= LEAST * run.spacing ** len(self.axes)
