@@ -293,7 +293,7 @@ static void ForLines(GasCells *cells, Cloud cloud, PetscBool owned, PetscInt a, 
     }
 }
 
-/* Where a particle's sums go, and its volume of Part. */
+/* Where a particle's sums go, and its volume of GasPart. */
 typedef struct {
   PetscReal *sum, part;
 } Filling;
@@ -305,12 +305,6 @@ static void AddFilled(GasCells *cells, Cloud cloud, const Line *line, void *cont
   for (PetscInt m = 0; m < line->n; m++) filling->sum[line->node[m]] += filling->part * line->W[m];
 }
 
-/* The volume of particle a in the sums of cells. full: sum V W on a full lattice. */
-static PetscReal Part(Cloud cloud, PetscInt a, PetscReal full)
-{
-  return cloud->domain->volume * cloud->relative_weight[a] / full;
-}
-
 /* The context of FillCells; full: sum V W on a full lattice. */
 typedef struct {
   PetscReal full, *sum;
@@ -320,7 +314,7 @@ static void FillCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
                       const PetscReal x[DIM], void *context)
 {
   const Fill *fill    = (const Fill *)context;
-  Filling     filling = {fill->sum, Part(cloud, a, fill->full)};
+  Filling     filling = {fill->sum, GasPart(cloud, a, fill->full)};
 
   ForLines(cells, cloud, PETSC_FALSE, a, x, AddFilled, &filling);
 }
@@ -450,7 +444,7 @@ static void FluxOf(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, c
 {
   Flux *flux = (Flux *)context;
 
-  flux->part  = Part(cloud, a, flux->full);
+  flux->part  = GasPart(cloud, a, flux->full);
   flux->size  = cloud->size[a];
   flux->solid = (PetscBool)(cells->solid_known && cloud->integer[INT_BODY][a] <= BODY_SOLID);
   for (PetscInt s = 0; s < 2; s++) {
@@ -544,7 +538,7 @@ PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLo
     const PetscInt   n = Images(cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), image);
 
     for (PetscInt i = 0; i < n && cloud->integer[INT_LAYER][a]; i++) {
-      Load      load = {.part = Part(cloud, a, full), .size = cloud->size[a]};
+      Load      load = {.part = GasPart(cloud, a, full), .size = cloud->size[a]};
       PetscReal y[DIM];
 
       Map(&image[i], x, y);

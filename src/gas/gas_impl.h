@@ -37,6 +37,12 @@ typedef struct {
 #define BLOCK_EMPTY (-1)
 #define BLOCK_FULL  (-2)
 
+/* The volume (m^dim) of particle a in the sums of cells. full: sum V W on a full lattice. Not collective. */
+static inline PetscReal GasPart(Cloud cloud, PetscInt a, PetscReal full)
+{
+  return cloud->domain->volume * cloud->relative_weight[a] / full;
+}
+
 /* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved.
    GasCellsRates - how fast the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the
    velocities v and with w
@@ -117,10 +123,11 @@ typedef struct {
   PetscReal liquid;               /* all that there was, m^dim (m3 of rings) */
 } Pockets;
 
-/* A row beside pocket k - 1: the pocket's share of what the row sees outside, and its slope. */
+/* A row beside pocket k - 1: the pocket's share of what the row sees outside, its slope (1/m) and the acceleration by
+   this slope under unit pressure (m/(s2 Pa)); how much the pocket grows if the row moves, m^(dim - 1). */
 typedef struct {
   PetscInt  row, pocket;
-  PetscReal closure, share, slope[DIM];
+  PetscReal closure, share, slope[DIM], bend[DIM], area[DIM];
 } GasRow;
 
 /* A row that sees neither gas nor air, although its neighbourhood has gaps, and the former pressure around it, Pa. */

@@ -46,6 +46,27 @@ static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscRe
   }
 }
 
+/* Adds the acceleration by a slope of the pressure outside to that by Eq. (9). */
+static void AddSlope(Pressure pressure, PetscInt a, const PetscReal slope[DIM], PetscReal out[DIM])
+{
+  const Cloud cloud = pressure->cloud;
+  PetscReal   M[6], part[DIM];
+
+  SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_CORRECTION] + 6 * a, M);
+  TensorApply(M, slope[0], slope[1], slope[2], part);
+  for (PetscInt d = 0; d < DIM; d++) out[d] -= (slope[d] - part[d]) / PressureDensity(pressure)[a];
+}
+
+void PressureSlopeAcceleration(Pressure pressure, PetscInt a, const PetscReal slope[DIM], PetscReal out[DIM])
+{
+  const PetscBool symmetric = (PetscBool)(pressure->gradient == GradientSymmetric);
+
+  for (PetscInt d = 0; d < DIM; d++) out[d] = 0;
+  if (!(symmetric || pressure->cloud->integer[INT_SURFACE][a]) || Dot(slope, slope) == 0) return;
+  AddSlope(pressure, a, slope, out);
+  for (PetscInt d = 0; d < DIM && !symmetric; d++) out[d] /= SurfaceSlope(pressure, a);
+}
+
 /* Eq. (9) for one row; scale: see RowScale. */
 static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal scale,
                          PetscReal out[DIM])
@@ -65,13 +86,7 @@ static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   }
   SumAlong(cloud, a, row, c, out);
   if (cloud->liquid && cloud->at_interface[a]) AddLiquid(pressure, a, row, scale, out);
-  if (Dot(slope, slope) > 0) {
-    PetscReal M[6], part[DIM];
-
-    SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_CORRECTION] + 6 * a, M);
-    TensorApply(M, slope[0], slope[1], slope[2], part);
-    for (PetscInt d = 0; d < DIM; d++) out[d] -= (slope[d] - part[d]) / density[a];
-  }
+  if (Dot(slope, slope) > 0) AddSlope(pressure, a, slope, out);
 }
 
 /* The factor on sums over the factors of a row: V times the scale of the kernel's F. */

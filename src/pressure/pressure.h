@@ -98,6 +98,9 @@ PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 PetscBool PressureTakesDivergence(Pressure pressure);
 /* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid. Collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
+/* PressureSlopeAcceleration - what a slope (Pa/m) of the pressure outside adds to the acceleration (m/s2) of fluid
+   particle a. Not collective. */
+void PressureSlopeAcceleration(Pressure pressure, PetscInt a, const PetscReal slope[DIM], PetscReal out[DIM]);
 /* PressureRelaxationTime - the time (s) in which density errors are corrected. Not collective. */
 PetscReal PressureRelaxationTime(Pressure pressure);
 /* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats or a
