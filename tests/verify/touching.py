@@ -13,6 +13,11 @@ DRY = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 2,1 -box_x w
  -water_lower 1.76,0 -water_upper 2,0.06 -solids step,a,b -step_lower 1.6,0 -step_upper 1.76,0.3
  -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3 """
 
+ACROSS = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 2,1 -box_x periodic -box_ymin wall -bodies water
+ -water_lower 0,0 -water_upper 2,0.06 -solids a,b -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3
+ -a_mass 10 -a_velocity 1,0.2 -a_friction 0.5 -a_restitution 0.9 -a_inertia 0.1 -b_mass 25 -b_velocity 0,0.1
+ -b_friction 0.2 -b_restitution 0.9 -b_inertia 0.3 -time_end 0.3 """
+
 
 def columns(s, body):
     """x, y, velocities, angle and rate of a body."""
@@ -50,6 +55,22 @@ def dry():
         sums += np.array([m * u, m * v, m * (x * v - y * u) + inertia[name] * rate])
     runs.check_below(abs(sums - sums[:, :1]).max(), 1e-9, "momentum of two bodies that collide")
     runs.check(abs(columns(s, "a")[2] - 1).max() > 0.3, "they collide", "no change of velocity")
+    # Two balls that meet head on rebound by the geometric mean of their coefficients.
+    s = runs.series(runs.run(DRY + """-a_shape sphere -a_radius 0.1 -a_center 0.4,0.6 -a_mass 10 -a_velocity 1,0
+ -a_restitution 0.9 -b_shape sphere -b_radius 0.1 -b_center 0.7,0.6 -b_mass 25 -b_velocity -0.5,0
+ -b_restitution 0.4 -time_end 0.2""", "rebound"))
+    apart = columns(s, "b")[2] - columns(s, "a")[2]
+    runs.check_within(apart[-1] / 1.5, 0.97 * np.sqrt(0.9 * 0.4), 1.01 * np.sqrt(0.9 * 0.4), "rebound of two balls")
+    # A collision across a periodic face is the one in the middle of the box.
+    last = []
+    for shift in (0, 1):
+        low = [f"{(x + shift) % 2:.2f}" for x in (0.6, 1.0)]
+        high = [f"{float(x) + w:.2f}" for x, w in zip(low, (0.2, 0.16))]
+        s = runs.series(runs.run(ACROSS + f"""-a_lower {low[0]},0.5 -a_upper {high[0]},0.7 -b_lower {low[1]},0.6
+ -b_upper {high[1]},0.9""", f"across_{shift}"))
+        last.append([columns(s, body)[k][-1] for body in "ab" for k in (2, 3, 5)])
+    runs.check(abs(np.array(last[0]) - (1, 0.2, 0, 0, 0.1, 0)).max() > 0.3, "they collide in the middle", str(last[0]))
+    runs.check_below(np.abs(np.subtract(*last)).max(), 1e-9, "a collision across a periodic face")
 
 
 TANK = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 1.2,0.8 -box_x wall -box_ymin wall -gravity 0,{-G}
