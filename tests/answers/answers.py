@@ -265,6 +265,10 @@ def reductions():
     wave = launch.known(scene("wave", WAVE))["bodies"][0]["shape"]["numbers"]
     half = reduce.known_of(reduce.reduced(scene("wave", WAVE)).lines)["bodies"][0]["shape"]["numbers"]
     runs.check(half == wave, "half_of_a_wave", f"{half}, not {wave}")
+    for box, due in (("periodic", "symmetry"), ("wall", "wall")):
+        way = reduce.reduced(scene(f"half_of_{box}", POOL + f"-b_center 0,1e-4,1.3e-3 -box_x {box}"))
+        kinds = {face["name"]: face["type"] for face in reduce.known_of(way.lines)["domain"]["faces"]}
+        runs.check((kinds["xmin"], kinds["xmax"]) == ("symmetry", due), f"half_of_a_{box}_box", str(kinds))
     floats = reduce.reduced(scene("floats", POOL + " -solids p -p_shape sphere -p_radius 1e-3 -p_mass 2e-6")).why
     runs.check("the scene as it is" in floats and "a free body" in floats, "floats", floats)
 

@@ -188,6 +188,71 @@ static PetscErrorCode CheckRound(Setup *s, const char label[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The target by the normals of the particles of a packing, whatever the packing followed. */
+static PetscErrorCode FindByNormals(Setup *s)
+{
+  PetscReal *size;
+
+  PetscFunctionBegin;
+  FollowOf(s->domain)->what = FOLLOW_CURVATURE;
+  PetscCall(SetupMoments(s));
+  PetscCall(CloudGetWork(s->cloud, 1, &size));
+  PetscCall(TargetFind(s->cloud, size));
+  PetscCall(CloudRestoreWork(s->cloud, &size));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define SHELLS 10000
+
+/* A ball of radius R around 'center' of shells a spacing thick, in space or as rings. Returns its particles. */
+static PetscInt Shells(PetscBool rings, const PetscReal center[DIM], PetscReal R, PetscReal x[])
+{
+  PetscInt n = 0;
+
+  for (PetscReal r = R - 0.5; r > 0; r -= 1) {
+    const PetscInt  count = (PetscInt)(rings ? PETSC_PI * r : 4 * PETSC_PI * r * r) + 1;
+    const PetscReal turn  = PETSC_PI * (3 - PetscSqrtReal(5)); /* a Fibonacci lattice */
+
+    for (PetscInt k = 0; k < count; k++, n++) {
+      const PetscReal z = 1 - (2 * k + 1) / (PetscReal)count, across = PetscSqrtReal(1 - z * z),
+                      angle         = PETSC_PI * (k + 0.5) / count;
+      const PetscReal place[2][DIM] = {{across * PetscCosReal(turn * k), across * PetscSinReal(turn * k), z},
+                                       {PetscSinReal(angle), PetscCosReal(angle), 0}};
+
+      for (PetscInt d = 0; d < DIM; d++) x[DIM * n + d] = center[d] + r * place[rings][d];
+    }
+  }
+  return n;
+}
+
+/* A drop has two curvatures of 1/R by its normals, in space and as rings. */
+static PetscErrorCode TestNormals(void)
+{
+  static PetscReal   x[DIM * SHELLS];
+  static const char *box[2] = {"-box_lower -20,-20,-20 -box_upper 20,20,20 -drop_shape sphere -drop_radius 12 ",
+                               "-dimension axisymmetric -box_lower 0,-20 -box_upper 30,20 -drop_shape sphere "
+                               "-drop_radius 12 "};
+
+  PetscFunctionBegin;
+  for (PetscInt rings = 0; rings < 2; rings++) {
+    const PetscReal center[DIM] = {0, 0, 0}, side[DIM] = {12, 0, 0};
+    const PetscInt  n = Shells((PetscBool)rings, center, 12, x);
+    char            options[PETSC_MAX_PATH_LEN];
+    Setup           s;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options),
+                            "-spacing 1 -spacing_coarse 4 -spacing_growth 0.02 -spacing_band 4 "
+                            "-bodies drop -spacing_follow curvature %s",
+                            box[rings]));
+    PetscCall(SetupFill(options, n, x, 0, &s));
+    PetscCall(FindByNormals(&s));
+    CHECK_CLOSE(SceneSpacing(s.scene, side), 1.5, 0.2,
+                rings ? "a drop of rings, by its normals" : "a drop, by its normals");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A drop of rings has two curvatures of 1/R and wants R/8, on the axis and beside it; the wall of a cavity in the
    liquid has that around the axis alone and wants R/4, by its shape and by the normals of its particles. On a surface
    the target is up to its growth over the band smaller. */
@@ -195,7 +260,6 @@ static PetscErrorCode TestRings(void)
 {
   const PetscReal top[DIM] = {0.1, 62, 0}, side[DIM] = {16, 46, 0}, cavity[DIM] = {8, 40, 0};
   Setup           s;
-  PetscReal      *size;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(ROUND "-spacing_follow curvature ", &s));
@@ -205,11 +269,7 @@ static PetscErrorCode TestRings(void)
   PetscCall(SetupClose(&s));
   PetscCall(SetupPack(ROUND "-bodies film -film_lower 8,0 -film_upper 40,70 -spacing_follow surface ", &s));
   PetscCall(CheckRound(&s, "fine"));
-  FollowOf(s.domain)->what = FOLLOW_CURVATURE;
-  PetscCall(SetupMoments(&s));
-  PetscCall(CloudGetWork(s.cloud, 1, &size));
-  PetscCall(TargetFind(s.cloud, size));
-  PetscCall(CloudRestoreWork(s.cloud, &size));
+  PetscCall(FindByNormals(&s));
   CHECK_CLOSE(SceneSpacing(s.scene, cavity), 1.8, 0.2, "the wall of a cavity, by its normals");
   PetscCall(TargetClear(s.scene));
   PetscCall(TargetBodies(s.domain, s.scene));
@@ -290,6 +350,7 @@ int main(int argc, char **argv)
   PetscCall(TestKept());
   PetscCall(TestCarried());
   PetscCall(TestRings());
+  PetscCall(TestNormals());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
