@@ -1,10 +1,12 @@
 /* The dummy particles of solids: where liquid feels the faces of a solid, for any place and size. Liquid at half a
    spacing in front of a face has sum V W of the dummies there; a solid full of liquid would have the integral of W. The
    difference, over the slope of the integral, is how far the face that is felt is from that of the shape. */
+#include "../../src/bodies/bodies_impl.h"
 #include "check.h"
 #include "setup.h"
 #include <stdio.h>
 
+#define CUBE    "output/test_solids.stl"
 #define SPACING 0.1
 #define FELT    0.05 /* spacings */
 #define FINE    5    /* cells of the integral in a spacing */
@@ -101,10 +103,53 @@ static PetscErrorCode Faces(const Setup *s, PetscReal reach, PetscReal felt[2 * 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Moves the solids and their dummies from the start to a time (s). */
+static PetscErrorCode Move(const Setup *s, PetscReal time)
+{
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  SceneMoveSolids(s->scene, time);
+  PetscCall(ParticlesOpen(s->particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++)
+    if (arrays.integer[INT_BODY][a] <= BODY_SOLID)
+      BodyMove(SceneSolid(s->scene, BODY_SOLID - arrays.integer[INT_BODY][a]), 0, time,
+               arrays.real[FIELD_POSITION] + DIM * a);
+  PetscCall(ParticlesClose(s->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A cube as an STL file, turned by 'angle' (rad) about z. */
+static PetscErrorCode WriteCube(const char path[], PetscReal half, PetscReal angle)
+{
+  static const int corner[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  FILE            *file;
+
+  PetscFunctionBegin;
+  PetscCall(PetscFOpen(PETSC_COMM_WORLD, path, "w", &file));
+  PetscCall(PetscFPrintf(PETSC_COMM_WORLD, file, "solid cube\n"));
+  for (PetscInt k = 0; k < 12; k++) {
+    PetscCall(PetscFPrintf(PETSC_COMM_WORLD, file, "facet normal 0 0 0\nouter loop\n"));
+    for (PetscInt c = 0; c < 3; c++) {
+      const PetscReal x = corner[k][c] & 1 ? half : -half, y = corner[k][c] & 2 ? half : -half,
+                      z = corner[k][c] & 4 ? half : -half, cosine = PetscCosReal(angle), sine = PetscSinReal(angle);
+
+      PetscCall(PetscFPrintf(PETSC_COMM_WORLD, file, "vertex %.9g %.9g %.9g\n", (double)(cosine * x - sine * y),
+                             (double)(sine * x + cosine * y), (double)z));
+    }
+    PetscCall(PetscFPrintf(PETSC_COMM_WORLD, file, "endloop\nendfacet\n"));
+  }
+  PetscCall(PetscFPrintf(PETSC_COMM_WORLD, file, "endsolid cube\n"));
+  PetscCall(PetscFClose(PETSC_COMM_WORLD, file));
+  PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Checks all sides of the solids against 'flat', what is felt of a flat face with lattices on both sides of it, for the
-   sum over a lattice is no integral. Returns the mean of all sides. */
-static PetscErrorCode TestScene(const char options[], PetscReal reach, PetscInt sides, PetscReal flat,
-                                const char name[], PetscReal *mean)
+   sum over a lattice is no integral. time: to which solids move, s. Returns the mean of all sides. */
+static PetscErrorCode TestSceneAt(const char options[], PetscReal time, PetscReal reach, PetscInt sides, PetscReal flat,
+                                  const char name[], PetscReal *mean)
 {
   PetscReal felt[2 * DIM], worst = 0, sum = 0;
   PetscInt  count[2 * DIM], seen = 0;
@@ -113,6 +158,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal reach, PetscInt 
 
   PetscFunctionBegin;
   PetscCall(SetupPack(options, &s));
+  if (time > 0) PetscCall(Move(&s, time));
   PetscCall(Faces(&s, reach, felt, count));
   for (PetscInt f = 0; f < 2 * DIM; f++) {
     if (!count[f]) continue;
@@ -126,6 +172,35 @@ static PetscErrorCode TestScene(const char options[], PetscReal reach, PetscInt 
   PetscCall(PetscSNPrintf(label, sizeof(label), "sides_%s", name));
   CHECK(seen == sides, label);
   PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestScene(const char options[], PetscReal reach, PetscInt sides, PetscReal flat,
+                                const char name[], PetscReal *mean)
+{
+  PetscFunctionBegin;
+  PetscCall(TestSceneAt(options, 0, reach, sides, flat, name, mean));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Solids from a file, and those that have moved and turned, also free ones by their motion. */
+static PetscErrorCode TestFurther(PetscReal flat, PetscReal flat_space)
+{
+  PetscReal other;
+
+  PetscFunctionBegin;
+  PetscCall(TestSceneAt(FLAT "-s_lower -0.63,-0.51 -s_upper 0.61,0.523 -s_velocity 0.11,0.037", 1, 1, 4, flat, "moved",
+                        &other));
+  PetscCall(TestSceneAt(FLAT "-s_lower -0.63,-0.51 -s_upper 0.61,0.523 -s_rotation_rate 0.6 -s_rotation_center 0,0", 1,
+                        1, 4, flat, "turned", &other));
+  PetscCall(TestSceneAt(SPACE "-s_lower -0.43,-0.31,-0.38 -s_upper 0.41,0.323,0.4 -s_rotation_rate 0.4,0.2,0.3 "
+                              "-s_rotation_center 0,0,0",
+                        1, 0.6, 6, flat_space, "turned_cuboid", &other));
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(WriteCube(CUBE, 0.37, k ? 0.5 : 0));
+    PetscCall(TestScene(SPACE "-s_shape stl -s_file " CUBE, 0.6, 6, flat_space,
+                        k ? "turned_cube_of_a_file" : "cube_of_a_file", &other));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +224,7 @@ static PetscErrorCode TestPlate(const char options[], const char name[])
 
 int main(int argc, char **argv)
 {
-  PetscReal flat, other;
+  PetscReal flat, flat_space, other;
 
   PetscFunctionBeginUser;
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -163,10 +238,12 @@ int main(int argc, char **argv)
   PetscCall(TestScene(FLAT "-s_shape half_space -s_normal 0.3,1 -s_point 0,0.02", 1, 1, flat, "slope", &other));
   PetscCall(
     TestScene(FLAT "-box_x periodic -s_shape sphere -s_radius 0.52 -s_center 1.9,0", 3, 4, flat, "across", &other));
-  PetscCall(TestScene(SPACE "-s_lower -0.4,-0.4,-0.4 -s_upper 0.4,0.4,0.4", 0.6, 6, flat, "cube", &flat));
-  PetscCall(TestScene(SPACE "-s_lower -0.43,-0.31,-0.38 -s_upper 0.41,0.323,0.4", 0.6, 6, flat, "cuboid", &other));
-  PetscCall(TestScene(SPACE "-s_shape sphere -s_radius 0.437", 0.6, 6, flat, "ball", &other));
-  PetscCall(TestScene(SPACE "-s_shape cylinder -s_radius 0.43 -s_height 0.75", 0.6, 6, flat, "cylinder", &other));
+  PetscCall(TestScene(SPACE "-s_lower -0.4,-0.4,-0.4 -s_upper 0.4,0.4,0.4", 0.6, 6, flat, "cube", &flat_space));
+  PetscCall(
+    TestScene(SPACE "-s_lower -0.43,-0.31,-0.38 -s_upper 0.41,0.323,0.4", 0.6, 6, flat_space, "cuboid", &other));
+  PetscCall(TestScene(SPACE "-s_shape sphere -s_radius 0.437", 0.6, 6, flat_space, "ball", &other));
+  PetscCall(TestScene(SPACE "-s_shape cylinder -s_radius 0.43 -s_height 0.75", 0.6, 6, flat_space, "cylinder", &other));
+  PetscCall(TestFurther(flat, flat_space));
   PetscCall(TestPlate(FLAT "-s_shape half_space -s_normal 0.7,1 -s_point 0,0.02 -s_holes h -h_shape half_space "
                            "-h_normal 0.7,1 -h_point 0,-0.02",
                       "middle_of_a_plate"));
