@@ -122,8 +122,8 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer);
 void           DomainJson(Domain domain, Json *json);
 PetscErrorCode DomainDestroy(Domain *domain);
 
-/* DomainUnit - the unit, in the dimensions of the scene, of an extensive quantity whose unit in space is J, N, m3 or
-   m2: J/m, N/m, m2 or m in two dimensions, per metre across the plane; rings are whole. Not collective. */
+/* DomainUnit - the unit, in the dimensions of the scene, of an extensive quantity whose unit in space is J, N, m3, m2
+   or m3/s: J/m, N/m, m2, m or m2/s in two dimensions, per metre across the plane; rings are whole. Not collective. */
 const char *DomainUnit(Domain domain, const char unit[]);
 
 /* DomainReadOptions - OptionsReadVectors with this dimension: a vector has dim or three finite numbers, with rings two.

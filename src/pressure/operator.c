@@ -294,7 +294,8 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
   PetscCall(PressureMultiply(pressure, p, sum));
   if (A == pressure->coupled) {
     for (PetscInt k = 0; k < pressure->low_ranks; k++)
-      PetscCall(pressure->low_rank[k].term->add(pressure->low_rank[k].context, pressure, p, sum));
+      if (pressure->low_rank[k].term->add)
+        PetscCall(pressure->low_rank[k].term->add(pressure->low_rank[k].context, pressure, p, sum));
     PetscCall(MatGetNullSpace(A, &constant));
   }
   PetscCall(VecRestoreArrayWrite(y, &sum));
@@ -342,7 +343,8 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
   PetscCall(SetWeights(pressure));
   PetscCall(SetDiagonal(pressure));
   for (PetscInt k = 0; k < pressure->low_ranks; k++)
-    PetscCall(pressure->low_rank[k].term->set_up(pressure->low_rank[k].context, pressure));
+    if (pressure->low_rank[k].term->set_up)
+      PetscCall(pressure->low_rank[k].term->set_up(pressure->low_rank[k].context, pressure));
   if (!pressure->operator) PetscCall(CreateShell(pressure, &pressure->operator));
   if (!pressure->coupled && pressure->low_ranks) PetscCall(CreateShell(pressure, &pressure->coupled));
   PetscFunctionReturn(PETSC_SUCCESS);

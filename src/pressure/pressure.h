@@ -106,7 +106,8 @@ PetscReal PressureRelaxationTime(Pressure pressure);
 /* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats or a
    pocket of gas does. With c the divergence of the rows, times their masses, for each unit motion and M the inertia,
    the operator gets the term L = c M^-1 c^T of low rank, symmetric; the preconditioner is that of the operator without
-   it. Hooks but set_up and add may be NULL. All are collective. */
+   it. A pressure outside that is known, as that
+   of an outlet is, adds to the right side alone. Any hook may be NULL. All are collective. */
 typedef struct {
   PetscErrorCode (*set_up)(void *context, Pressure pressure); /* before a solve, at the positions of the cloud */
   PetscErrorCode (*add)(void *context, Pressure pressure, const PetscScalar p[], PetscScalar y[]); /* y += L p */

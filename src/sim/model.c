@@ -303,6 +303,8 @@ static PetscBool FacesAlike(const Model *model, PetscInt d, PetscInt side, Petsc
 
   (void)TensionFaceAngles(model->sim->tension, d, side, angle[0]);
   (void)TensionFaceAngles(model->sim->tension, e, other, angle[1]);
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    if ((*edge)->alike && !(*edge)->alike(model->sim->stepper, d, side, e, other)) return PETSC_FALSE;
   for (PetscInt k = 0; k < DIM; k++)
     moved[k] = parity[k] * domain->wall_velocity[d][side][k] - domain->wall_velocity[e][other][k];
   return (PetscBool)(domain->face[d][side] == domain->face[e][other] && angle[0][0] == angle[1][0] &&

@@ -183,6 +183,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(PressureCreate(sim->cloud, &sim->pressure));
   PetscCall(StepperCreate(sim->cloud, sim->tension, sim->pressure, &sim->stepper));
   PetscCall(StepperSetFromOptions(sim->stepper));
+  PetscCall(RefuseCombinations(sim));
   PackingSetRough(sim->packing, (PetscBool)!StepperSettles(sim->stepper));
   PetscCheckUser(sim->relaxation_time == 0 || StepperRepairsAtOnce(sim->stepper), comm,
                  "-packing_relaxation_time is for -scheme " SCHEME_DENSITY_INVARIANT

@@ -2,9 +2,9 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge;
-const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,     &ContactEdge, &FreeEdge,
-                                 &EmitterEdge,   &ResamplingEdge, &GasEdge,     NULL};
+extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge, OutletEdge;
+const Edge *const StepEdges[] = {&InterfaceEdge,  &MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge,
+                                 &ResamplingEdge, &GasEdge,    &OutletEdge,  NULL};
 
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
 {

@@ -14,7 +14,7 @@ TABLE = os.path.join(runs.ROOT, "options", "scene_json.md")
 FLAT = "-dimension 2 -spacing 0.1 -box_lower -1,-1 -box_upper 1,1 -time_end 1e-3 -gravity 0,-9.81 -bodies a " \
     "-a_lower -0.5,-0.5 -a_upper 0.5,0.5 "
 SCENES = (
-    FLAT + "-ksp_rtol 1e-6",
+    FLAT + "-ksp_rtol 1e-6 -box_xmax_level 0.5 -box_xmin_pressure 10",
     FLAT + "-solids s -s_shape sphere -s_radius 0.2 -s_center 0.7,0.7 -s_holes h -h_shape sphere -h_radius 0.1 "
     "-h_center 0.7,0.7 -s_oscillation_amplitude 0.1,0 -s_oscillation_frequency 1000 -a_holes k -k_shape sphere "
     "-k_radius 0.2",

@@ -1,0 +1,156 @@
+/* The pressure outside of outlets, in the equation of the pressure. The surface of the liquid at an open face is a free
+   surface, whose rows are closed as if the missing neighbours had the pressure of the open air. Beside an outlet they
+   have that of the outside, P: what surface tension has, too. Nothing of it is unknown, so the operator stays as it is.
+
+   P is that at the foot of the particle on the face. A row has it within REACH of the face, where particles that leave
+   one by one make the surface uneven, and with the share with which its surface looks at the face: fully up to 45
+   degrees. Above the level of the outside there is air.
+
+   A row with p = P that falls along the face as the hydrostatic pressure does gets exactly -grad P/rho (GasTerm and
+   surface tension have the same slope in gradient.c): liquid at rest at the level of its outlet stays at rest. But the
+   surface there is vertical and as heavy on both sides: nothing holds it, and what errors of the gradient move leaves
+   for ever. A tank of 25 spacings lost 6 % of its water in 3 s. So the surface is held as gravity holds a level one:
+   where it stands off the face by s, P is less by rho g s. Flow takes it in and out by half a spacing, which cancels.
+   OutletsCalm damps what remains. */
+#include "outlets_impl.h"
+
+#define REACH    1   /* spacings beyond the support of the kernel */
+#define FULL_COS 0.5 /* square of the cosine above which a surface looks at the face */
+#define FINE     8   /* points of the search for an entry of the table, over its entries */
+#define HELD     1   /* spacings from the face that a surface is held by */
+
+void OutletsSetUp(Outlets *outlets)
+{
+  const Kernel    kernel  = outlets->cloud->kernel;
+  const PetscReal support = KernelSupport(kernel);
+
+  KernelHalfSpace(kernel, 0, &outlets->plane, NULL);
+  for (PetscInt k = 0, j = 0; k <= OUTLETS_TABLE; k++) { /* w1 falls with the depth */
+    PetscReal w = 0;
+
+    for (; j <= FINE * OUTLETS_TABLE; j++) {
+      KernelHalfSpace(kernel, support * j / (FINE * OUTLETS_TABLE), &w, NULL);
+      if (w <= outlets->plane * (OUTLETS_TABLE - k) / OUTLETS_TABLE) break;
+    }
+    outlets->depth[OUTLETS_TABLE - k] = support * PetscMin(1, (PetscReal)j / (FINE * OUTLETS_TABLE));
+  }
+}
+
+/* The depth (m) of fluid particle a below its surface, by its |sum V grad W| (1/m). */
+static PetscReal Depth(const Outlets *outlets, PetscInt a, PetscReal normal)
+{
+  const PetscReal size = outlets->cloud->size[a], at = OUTLETS_TABLE * PetscMin(1, normal * size / outlets->plane);
+  const PetscInt  k = PetscMin((PetscInt)at, OUTLETS_TABLE - 1);
+
+  return size * (outlets->depth[k] + (at - k) * (outlets->depth[k + 1] - outlets->depth[k]));
+}
+
+PetscReal OutletOutside(const Outlets *outlets, PetscInt d, PetscInt side, const PetscReal x[DIM], PetscReal gap,
+                        PetscReal slope[DIM])
+{
+  const Outlet   *outlet = &outlets->face[d][side];
+  const Domain    domain = outlets->cloud->domain;
+  const PetscReal g      = Norm(outlets->gravity);
+  PetscReal       foot[DIM], head, P;
+
+  for (PetscInt e = 0; e < DIM; e++) foot[e] = x[e];
+  foot[d] = side ? domain->upper[d] : domain->lower[d];
+  head    = outlet->has_level ? PetscMax(0, outlet->level * g + Dot(outlets->gravity, foot)) : 0;
+  P       = outlet->pressure + outlets->density * head;
+  for (PetscInt e = 0; e < DIM && slope; e++)
+    slope[e] = e == d || head == 0 ? 0 : outlets->density * outlets->gravity[e];
+  return P == 0 ? 0 : P - outlets->density * g * gap;
+}
+
+PetscReal OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DIM])
+{
+  const Cloud      cloud  = outlets->cloud;
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->field[FIELD_NORMAL] + DIM * a,
+                  s     = cloud->size[a] * domain->spacing,
+                  reach = cloud->size[a] * KernelSupport(cloud->kernel) + REACH * s, n2 = Dot(n, n);
+  PetscReal P = 0, looks = 0, slopes[DIM] = {0, 0, 0};
+
+  for (PetscInt f = 0; f < 2 * domain->dim && n2 > 0; f++) {
+    const PetscInt  d = f / 2, side = f % 2;
+    const PetscReal away = side ? domain->upper[d] - x[d] : x[d] - domain->lower[d], share = n[d] * n[d] / n2;
+    PetscReal       gap, part[DIM];
+
+    if (!outlets->face[d][side].on || away > reach || (side ? -n[d] : n[d]) <= 0) continue;
+    gap = PetscMax(-HELD * s, PetscMin(HELD * s, away - Depth(outlets, a, PetscSqrtReal(n2))));
+    looks += share;
+    P += share * OutletOutside(outlets, d, side, x, gap, part);
+    for (PetscInt e = 0; e < DIM; e++) slopes[e] += share * part[e];
+  }
+  if (looks == 0) return 0;
+  for (PetscInt e = 0; e < DIM && slope; e++) slope[e] += slopes[e] / PetscMax(looks, FULL_COS);
+  return P / PetscMax(looks, FULL_COS);
+}
+
+static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
+{
+  const Outlets   *outlets = (const Outlets *)context;
+  const PetscReal *closure = PressureClosure(pressure), share = 1 - PressureKeptShare(pressure);
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < outlets->cloud->n_fluid && !outlets->frozen; a++)
+    rhs[a] += share * closure[a] * OutletsPressure(outlets, a, NULL);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OutsideRows(void *context, Pressure pressure, PetscReal outside[], PetscReal slope[])
+{
+  const Outlets *outlets = (const Outlets *)context;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < outlets->cloud->n_fluid && !outlets->frozen; a++)
+    outside[a] += OutletsPressure(outlets, a, slope + DIM * a);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mean of v ([n_total][3], m/s) over the liquid around particle a, itself included. */
+static void MeanAround(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal mean[DIM])
+{
+  const PetscReal *x   = cloud->field[FIELD_POSITION] + DIM * a;
+  PetscReal        sum = 0, r2 = 0, W;
+
+  KernelEvaluate(cloud->kernel, 1, &r2, &sum, NULL);
+  for (PetscInt d = 0; d < DIM; d++) mean[d] = sum * v[DIM * a + d];
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt   b = cloud->list[k];
+    const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * b, r[DIM] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+
+    if (cloud->integer[INT_LAYER][b]) continue;
+    r2 = Dot(r, r) / PetscSqr(CloudPairSize(cloud, a, b));
+    KernelEvaluate(cloud->kernel, 1, &r2, &W, NULL);
+    sum += W;
+    for (PetscInt d = 0; d < DIM; d++) mean[d] += W * v[DIM * b + d];
+  }
+  for (PetscInt d = 0; d < DIM; d++) mean[d] /= sum;
+}
+
+PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], PetscReal *energy)
+{
+  const Cloud cloud = outlets->cloud;
+  PetscReal  *calm;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, v));
+  PetscCall(CloudGetWork(cloud, DIM, &calm));
+  PetscCall(PetscArraycpy(calm, v, DIM * cloud->n_fluid));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal share = 1 - PetscExpReal(-dt * outlets->speed / (cloud->size[a] * cloud->domain->spacing));
+    PetscReal      *u     = calm + DIM * a, mean[DIM], before;
+
+    if (!cloud->integer[INT_SURFACE][a] || CloudPushes(cloud, a) || OutletsPressure(outlets, a, NULL) == 0) continue;
+    before = Dot(u, u);
+    MeanAround(cloud, a, v, mean);
+    for (PetscInt d = 0; d < DIM; d++) u[d] += share * (mean[d] - u[d]);
+    *energy += 0.5 * cloud->volume[a] * cloud->rest_density[a] * (Dot(u, u) - before);
+  }
+  PetscCall(PetscArraycpy(v, calm, DIM * cloud->n_fluid));
+  PetscCall(CloudRestoreWork(cloud, &calm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const LowRank OutletTerm = {.right_side = RightSide, .outside = OutsideRows};

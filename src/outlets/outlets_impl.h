@@ -1,0 +1,57 @@
+/* Private to outlets/: open faces with a pressure outside, an edge of the step. */
+#ifndef ISPH_OUTLETS_IMPL_H
+#define ISPH_OUTLETS_IMPL_H
+
+#include "../gauges/columns.h"
+#include "../stepper/edge.h"
+
+#define OUTLETS       "outlets" /* the name of the edge */
+#define OUTLETS_TABLE 64        /* intervals of the table of depths */
+
+/* The outside of an open face. */
+typedef struct {
+  PetscBool on, has_level;
+  PetscReal level, pressure; /* m, against gravity; Pa, over that of the open air */
+} Outlet;
+
+/* The numbers of the edge in a StepState. */
+typedef struct {
+  PetscReal work;          /* done by the pressure outside on the liquid, J */
+  PetscReal left[2 * DIM]; /* volume that left through each face that is an outlet, m3 */
+} OutletNumbers;
+
+/* The data of the edge. */
+typedef struct {
+  Cloud         cloud; /* borrowed */
+  PetscBool     frozen;
+  Outlet        face[DIM][2];
+  PetscReal     gravity[DIM], density;    /* m/s2, kg/m3 */
+  PetscReal     speed;                    /* m/s, that the largest pressure outside can give */
+  OutletNumbers now;                      /* of this rank in the step */
+  PetscReal     plane;                    /* w1(0) of KernelHalfSpace, 1/m */
+  PetscReal     depth[OUTLETS_TABLE + 1]; /* at which w1 is k/OUTLETS_TABLE of that, m */
+  OutletNumbers so_far;                   /* a copy of the state's */
+} Outlets;
+
+static inline Outlets *OutletsOf(Stepper stepper)
+{
+  return (Outlets *)StepEdgeData(stepper, OUTLETS);
+}
+
+/* OutletOutside - the pressure (Pa) outside a face at the foot of x (m), less what holds a surface that stands off it
+   by 'gap' (m); slope: that along the face (Pa/m), or NULL. OutletsPressure - the pressure (Pa) outside the surface of
+   fluid particle a, 0 if no outlet is near; adds its slope along the surface (Pa/m) to 'slope' unless this is NULL.
+   OutletsSetUp - makes the table. Not collective. OutletsCalm
+   - brings the velocities v ([n_total][3], m/s, not yet of ghosts) of what has a pressure outside closer to the mean
+   around, in the time in which 'speed' moves it by a spacing; adds the energy (J) that this
+   gives to *energy. Collective. */
+PetscReal      OutletOutside(const Outlets *outlets, PetscInt d, PetscInt side, const PetscReal x[DIM], PetscReal gap,
+                             PetscReal slope[DIM]);
+void           OutletsSetUp(Outlets *outlets);
+PetscReal      OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DIM]);
+PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], PetscReal *energy);
+
+extern const LowRank   OutletTerm;   /* its context is an Outlets */
+extern const GaugeKind GaugeOutlets; /* gauge.c */
+
+#endif
