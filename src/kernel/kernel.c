@@ -222,8 +222,9 @@ void KernelHalfSpace(Kernel kernel, PetscReal s, PetscReal *plane, PetscReal *fr
 void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[])
 {
   const PetscReal support = KernelSupport(kernel), dr = support / PLANE_POINTS, angle = PETSC_PI / ANGLES;
-  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], F[PLANE_POINTS];
+  PetscReal       r2[PLANE_POINTS], W[PLANE_POINTS], F[PLANE_POINTS], cosine[ANGLES];
 
+  for (PetscInt l = 0; l < ANGLES; l++) cosine[l] = PetscCosReal((l + 0.5) * angle);
   for (PetscInt m = 0; m < PLANE_POINTS; m++) r2[m] = PetscSqr((m + 0.5) * dr);
   KernelEvaluate(kernel, PLANE_POINTS, r2, W, F);
   for (PetscInt k = 0; k <= n; k++) {
@@ -231,7 +232,7 @@ void KernelAxisTable(Kernel kernel, PetscInt n, PetscReal share[])
 
     for (PetscInt m = 0; m < PLANE_POINTS; m++)
       for (PetscInt l = 0; l < ANGLES; l++) { /* of a half of the plane */
-        const PetscReal r = PetscSqrtReal(r2[m]), x = r * PetscCosReal((l + 0.5) * angle);
+        const PetscReal r = PetscSqrtReal(r2[m]), x = r * cosine[l];
 
         sum += F[m] * PetscAbsReal(support * k / n - x) * (3 * x * x - 2 * r2[m]) * x * 2 * r * dr * angle;
       }
