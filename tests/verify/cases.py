@@ -251,7 +251,7 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS),
             Entry("sessile_drop", "rings, 0.1 mm", "-spacing 0.1e-3 -time_end 0.4", file=RINGS), Entry("thin_film"),
             Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
-            Entry("sloshing"), Entry("jet")]
+            Entry("sloshing"), Entry("jet"), Entry("weir"), Entry("pump"), Entry("boat_at_wall")]
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
             Entry("dry_wall", "water", file="water.opts"),
@@ -263,7 +263,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "column", "turning_box", "dragged_cylinder",
                 "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "gas_piston", "coated_plate",
-                "honey", "floating_box", "two_liquids"}
+                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
