@@ -47,7 +47,7 @@ def exists(option, names):
     """Whether an option is read by the program, is a body's, or is PETSc's."""
     parts = option.split("_")
     tails = {"_".join(parts[k:]) for k in range(len(parts))}
-    box = re.fullmatch(r"box_[xyz](min|max)?(_velocity(_amplitude|_frequency)?)?", option)
+    box = re.fullmatch(r"box_[xyz](min|max)?(_velocity(_amplitude|_frequency)?|_level|_pressure)?", option)
     return bool(tails & names) or option.startswith(PETSC) or bool(box)
 
 
