@@ -239,6 +239,7 @@ ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=R
             Entry("breathing_bubble", "1 um of air in water", "-shell_tension 0.711 -shell_viscosity 0.0993 "
                   "-gas_pressure_start 2.91638 -time_step 0.02 -time_end 5", file="minnaert.opts"),
             Entry("rising_bubble", "1/80", "-spacing 0.0125"), Entry("bottle"),
+            Entry("bottle", "3-d", size=LONG, file="case_3d.opts"), Entry("bursting_bubble"),
             Entry("gas_piston"), Entry("gas_piston", "3-d", file="case_3d.opts")]
 ENTRIES += [Entry("rising_bubble", f"rings, M {morton}", f"-liquid_viscosity {viscosity}", file=RINGS)
             for morton, viscosity in ((848, 0.1527), (266, 0.1143), (41.1, 0.0716), (5.51, 0.0433))]
@@ -263,7 +264,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "column", "turning_box", "dragged_cylinder",
                 "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "gas_piston", "coated_plate",
-                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall"}
+                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall", "bursting_bubble"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)

@@ -175,6 +175,10 @@ COLUMN = Scene(0.16, 3, 0.0, 8, 0.25, 4e-3, "MIN(57.15e-3 - x, 114.3e-3 - y)", "
                0.0, axisymmetric=False, step=1e-3)
 TANK = Scene(0.805, 2, 0.0, 8, 1.12, 0.05, "MIN(0.6 - x, 0.3 - y)", "x < 0.65 && y < 0.35", 1000.0, 1e-3, 0.0,
              axisymmetric=False, step=2e-3, points=((1.6095, 0.015),))
+BURST = Scene(1.5e-3, 2, -1.5e-3, 8, 0.8e-3, 1e-5,
+              "MIN(-x, sqrt((x + 0.477e-3)*(x + 0.477e-3) + y*y) - 0.5e-3)",
+              "fabs(sqrt((x + 0.477e-3)*(x + 0.477e-3) + y*y) - 0.5e-3) < 0.05e-3 || fabs(x) < 0.03e-3",
+              1000.0, 1.9e-3, 0.072)
 TRAPPED = TANK._replace(level=7, end=1.4, interval=0.02, points=())
 
 
@@ -213,6 +217,19 @@ def fall(scene, folder):
             rows.append((float(file.readline().split()[-1]), crossing(x, floor) / 57.15e-3,
                          crossing(x, side) / 57.15e-3))
     return "time,front,height", sorted(rows)
+
+
+def tip(scene, folder):
+    """Height of the liquid on the axis that hangs together from below: the floor of the cavity, then the jet."""
+    rows = []
+    for path in glob.glob(folder + "/cells-*.txt"):
+        with open(path, encoding="utf-8") as file:
+            time = float(file.readline().split()[-1])
+        cells = np.loadtxt(path, usecols=(0, 1, 5))
+        axis = cells[cells[:, 1] < 1.4 * scene.cell]
+        axis = axis[axis[:, 0].argsort()]
+        rows.append((time, crossing(axis[:, 0], axis[:, 2])))
+    return "time,tip", sorted(rows)
 
 
 def trapped(scene, folder, height=0.8, least=8):
@@ -257,6 +274,7 @@ REFERENCES = {  # case: file, scene, columns, what it is
         ("reference_second.csv", impact(3.13, True), impact_columns(3.13),
          "drop impact at 3.13 m/s, pool of 40 mm radius: by another program than reference.csv")],
     "deep_pool": [("reference.csv", POOL, lambda s, f: crater(s, f, 0.25e-3 / 2.0, 15e-3), "drop into a deep pool")],
+    "bursting_bubble": [("reference.csv", BURST, tip, "floor of the cavity, then tip of the jet, on the axis")],
     "thin_film": [("reference.csv", FILM, crown, "crown on a thin film")],
     "dry_wall": [("reference.csv", WALL, spread, "drop on a dry wall, 90 degrees")],
     "dam_break": [("reference_collapse.csv", COLUMN, fall, "column of 57.15 mm, over its width; walls let slide"),
