@@ -1,19 +1,19 @@
 /* The record of the spacing that follows the liquid, and its options. */
 #include "following_impl.h"
 
-static const char *const Words[] = {"none", "surface", "curvature", NULL};
+static const char *const Words[] = {"none", "surface", "curvature", "auto", NULL};
 
 static const OptionRow what[] = {
   {"-spacing_follow",
    "What the spacing follows: it is -spacing at free surfaces, or where they are curved, and grows to -spacing_coarse "
-   "away from them",
+   "away from them; auto: surface with -dimension axisymmetric, else curvature",
    NULL, NULL, ROW_WORD, offsetof(Follow, what), .words = Words},
   {.name = NULL},
 };
 static const OptionRow how[] = {
   {"-spacing_curvature",
-   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of both principal "
-   "curvatures",
+   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of the magnitudes "
+   "of both principal curvatures",
    "1", "[1, 100]", ROW_REAL, offsetof(Follow, per_radius)},
   {"-spacing_band", "Distance from the surface over which the spacing does not grow, in units of -spacing", "1",
    "[0, 20]", ROW_REAL, offsetof(Follow, band)},
@@ -34,6 +34,7 @@ static PetscErrorCode SetFromOptions(Domain domain)
                           "DomainSetFromOptions", &follow));
   PetscOptionsEnd();
   if (follow.what == FOLLOW_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (follow.what == FOLLOW_AUTO) follow.what = domain->rings ? FOLLOW_SURFACE : FOLLOW_CURVATURE;
   domain->adaptive = &FollowingAdaptive;
   PetscCall(PetscCalloc(sizeof(follow), &domain->adaptive_data));
   *FollowOf(domain) = follow;

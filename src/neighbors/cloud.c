@@ -71,6 +71,15 @@ static PetscBool Borrows(PetscInt f)
   return (PetscBool)(f == FIELD_POSITION_NEW || f == FIELD_VELOCITY_NEW);
 }
 
+/* Whether a field has memory of its own. */
+static PetscBool Needs(Cloud cloud, PetscInt f)
+{
+  if (f == FIELD_BENDING) return (PetscBool)(cloud->domain->adaptive != NULL);
+  return (PetscBool)(!Borrows(f) &&
+                     (f >= FIELD_STORED_COUNT || f == FIELD_VOLUME || f == FIELD_SIZE || /* all ask for these two */
+                      ParticlesHave(cloud->particles, f)));
+}
+
 PetscErrorCode CloudDestroy(Cloud *cloud)
 {
   Cloud c = *cloud;
@@ -113,8 +122,7 @@ static PetscErrorCode Reserve(Cloud cloud, PetscInt n)
   if (cloud->first && n < cloud->capacity) PetscFunctionReturn(PETSC_SUCCESS);
   cloud->capacity = n + n / 8 + 64;
   for (PetscInt f = 0; f < FIELD_COUNT; f++)
-    if (!Borrows(f) && (f >= FIELD_STORED_COUNT || f == FIELD_VOLUME || f == FIELD_SIZE || /* all ask for these two */
-                        ParticlesHave(cloud->particles, f)))
+    if (Needs(cloud, f))
       PetscCall(PetscRealloc(cloud->capacity * Fields[f].width * sizeof(PetscReal), &cloud->field[f]));
   cloud->field[FIELD_POSITION_NEW] = cloud->field[FIELD_ACCELERATION];
   cloud->field[FIELD_VELOCITY_NEW] = cloud->field[FIELD_CAPILLARY_SLOPE];
@@ -168,7 +176,7 @@ static void CountKinds(Cloud cloud)
   const PetscInt *layer = cloud->integer[INT_LAYER];
 
   for (PetscInt f = FIELD_STORED_COUNT; f < FIELD_COUNT; f++)
-    for (PetscInt k = 0; k < Fields[f].width * cloud->n_owned; k++) cloud->field[f][k] = NAN;
+    for (PetscInt k = 0; cloud->field[f] && k < Fields[f].width * cloud->n_owned; k++) cloud->field[f][k] = NAN;
   cloud->n_fluid = cloud->n_rows = 0;
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     cloud->n_fluid += layer[a] == 0;

@@ -73,7 +73,8 @@ typedef enum {
     "sum V (v_b - v_a)_i grad_j W over the fluid, of velocity_star")                                                   \
   X(VELOCITY_JUMP, "velocity_jump", 1, PARITY_NONE, "m/s", "largest |v_b - v_a| of neighbours, of velocity_star")      \
   X(CAPILLARY, "capillary", 1, PARITY_SCALAR, "Pa", "pressure of surface tension on the free surface, sigma kappa")    \
-  X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")
+  X(CAPILLARY_SLOPE, "capillary_slope", 3, PARITY_VECTOR, "Pa/m", "its gradient along the surface")                    \
+  X(BENDING, "bending", 1, PARITY_SCALAR, "1/m", "|k1| + |k2| of the free surface, for a spacing that adapts")
 
 #define FIELD_ENUM_STORED(id, name, width, parity, carry, unit, meaning) FIELD_##id,
 #define FIELD_ENUM_REAL(id, name, width, parity, unit, meaning)          FIELD_##id,

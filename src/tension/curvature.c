@@ -4,10 +4,10 @@
    is large, the curvature tensor K = grad n is the slope of a weighted linear fit, with intercept, to the normals
    nearby that point to the same side of the liquid. K is projected onto the tangent plane. Its eigenvalues k are those
    of a parallel surface at the fit's mean depth s below the free surface; k/(1 + s k) are those of the free surface.
-   FIELD_CAPILLARY is the mean of sigma (k1 + k2) over the neighbours. The pressure solver uses it on the free surface
-   in place of p = 0. A drop of constant curvature is then at rest exactly, because closure and gradient depend on p -
-   sigma kappa only. The depth follows from phi = F(s) of a half-space; a curved surface lowers phi by kappa/2 int x^2 W
-   dA.
+   FIELD_CAPILLARY is the mean of sigma (k1 + k2) over the neighbours, FIELD_BENDING |k1| + |k2| itself. The pressure
+   solver uses it on the free surface in place of p = 0. A drop of constant curvature is then at rest exactly, because
+   closure and gradient depend on p - sigma kappa only. The depth follows from phi = F(s) of a half-space; a curved
+   surface lowers phi by kappa/2 int x^2 W dA.
 
    For a surface of revolution the planar fit gives one principal curvature. The other is n_r/r: the slope of the line
    through the axis that fits n_r best, with the weights of the planar fit. Rings are weighted with their volume, at the
@@ -325,9 +325,9 @@ static PetscReal HoopCurvature(const Moments *m, PetscReal r)
 }
 
 /* kappa (1/m) of the free surface from the sums around a particle with normal n; at most that of a drop of one spacing.
- */
+   bending: |k1| + |k2|. */
 static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *m, const NormalFit *fit,
-                                  const PetscReal n[DIM], PetscReal *deeper)
+                                  const PetscReal n[DIM], PetscReal *deeper, PetscReal *bending)
 {
   const Curvature *data  = tension->data;
   const PetscReal  limit = (tension->rings ? 2 : tension->dim - 1) / (at->size * tension->spacing);
@@ -335,7 +335,7 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, lowers, Kn[DIM], nK[DIM],
                                       nKn = 0;
 
-  *deeper = 0;
+  *deeper = *bending = 0;
   if (!fit->enough) return 0;
   for (PetscInt i = 0; i < DIM; i++)
     for (PetscInt j = 0; j < DIM; j++) G[i][j] = m->nx[i][j] - m->n[i] * fit->x[j];
@@ -365,7 +365,9 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
     lowers = 0; /* phi is a sum over the plane */
   }
   *deeper = c * Together(k1, lowers, depth, c, limit);
-  kappa   = CarryToSurface(k1, k2, depth + *deeper);
+  depth += *deeper;
+  kappa    = CarryToSurface(k1, k2, depth);
+  *bending = PetscAbsReal(CarryToSurface(k1, 0, depth)) + PetscAbsReal(CarryToSurface(0, k2, depth));
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
@@ -478,6 +480,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *p
 {
   Curvature *data   = tension->data;
   NormalFit *fit    = data->fit[level];
+  PetscReal *bends  = cloud->field[FIELD_BENDING]; /* NULL: nobody asks */
   Around     around = {.cell = -1};
 
   PetscFunctionBegin;
@@ -485,7 +488,7 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *p
     const At         at = TensionAt(tension, cloud, level, p);
     const PetscInt   a  = at.a;
     const PetscReal *n  = normal + DIM * a;
-    PetscReal        more;
+    PetscReal        more, bending;
     Moments          m;
 
     if (!TensionOwns(tension, cloud, level, p)) continue;
@@ -495,7 +498,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *p
     ImagesTilt(tension, &at, &around, n, 1);
     SumNormals(tension, &at, &around, n, data->weight + *used, data->place + *used, &m);
     PrepareFit(tension, &at, &m, &fit[p]);
-    capillary[a] = Sigma(cloud, phase, a) * SurfaceCurvature(tension, &at, &m, &fit[p], n, &more);
+    capillary[a] = Sigma(cloud, phase, a) * SurfaceCurvature(tension, &at, &m, &fit[p], n, &more, &bending);
+    if (bends) bends[a] = bending;
     if (deeper) deeper[a] += more;
     capillary[a] *= 1 - PetscSqr(share[a] * share[a]); /* in thin sheets SheetPull has this force: see sheet.c */
     *used += m.kept;

@@ -105,7 +105,8 @@ PetscErrorCode TensionApply(Tension tension, Cloud cloud)
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE */
+  CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE, FIELD_BENDING */
+  if (cloud->field[FIELD_BENDING]) PetscCall(PetscArrayzero(cloud->field[FIELD_BENDING], cloud->n_owned));
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscCall(tension->model->apply(tension, cloud));

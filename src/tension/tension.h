@@ -38,8 +38,8 @@ PetscBool TensionOnSurface(Tension tension);
  */
 void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
 /* TensionApply - from positions and INT_SURFACE, either adds the acceleration (m/s2) of the fluid to FIELD_ACCELERATION
-   or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads (zero otherwise). Evaluates
-   particles near surface particles only. Collective. */
+   or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads, and FIELD_BENDING if the spacing
+   adapts (zero otherwise). Evaluates particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
 /* The liquid whose surface is evaluated, of several that do not mix. In its place NULL: all liquid. */
 typedef struct {

@@ -347,7 +347,7 @@ def folders():
                         ("-tension_type cahn_hilliard", "-tension_type cahn_hilliard"),
                         ("-solids b -b_upper 1,1,1 -b_velocity 1,0,0", "a solid that moves")):
         refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
-    for name, meant in (("-spacing_follow edges", "choose from none, surface, curvature"),
+    for name, meant in (("-spacing_follow edges", "choose from none, surface, curvature, auto"),
                         ("-spacing_follow surface", "-spacing_coarse (m) is missing"),
                         ("-spacing_follow surface -spacing_coarse 2 -spacing_curvature 0", "[1, 100]"),
                         ("-spacing_follow surface -spacing_coarse 2 -particles_most -1", "[0, inf)")):

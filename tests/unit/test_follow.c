@@ -279,6 +279,55 @@ static PetscErrorCode TestRings(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Nearest to the axis a torus has the curvatures 1/12 and -1/12 (1/spacings): their sum is zero, as in a plane, their
+   magnitudes ask for six spacings over four. */
+static PetscErrorCode TestSaddle(void)
+{
+  const PetscReal inside[DIM] = {12, 35, 0};
+  Setup           s;
+  PetscReal      *size, bending = 0, kappa = 0, count = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(ROUND "-bodies drop -drop_center 24,35 -drop_radius 12 "
+                            "-drop_tension 1 -spacing_follow surface ",
+                      &s));
+  FollowOf(s.domain)->what = FOLLOW_CURVATURE;
+  PetscCall(SetupMoments(&s));
+  PetscCall(TensionApply(s.tension, s.cloud));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a;
+
+    if (s.cloud->integer[INT_SURFACE][a] != 1 || x[0] > 13 || PetscAbsReal(x[1] - 35) > 2) continue;
+    bending += s.cloud->field[FIELD_BENDING][a];
+    kappa += s.cloud->field[FIELD_CAPILLARY][a];
+    count++;
+  }
+  count = SetupSum(count);
+  CHECK_CLOSE(SetupSum(bending) / count, 1. / 6, 0.02, "the magnitudes of the curvatures of a saddle");
+  CHECK_CLOSE(SetupSum(kappa) / count, 0, 0.02, "its tension has their sum");
+  PetscCall(CloudGetWork(s.cloud, 1, &size));
+  PetscCall(TargetFind(s.cloud, size));
+  PetscCall(CloudRestoreWork(s.cloud, &size));
+  CHECK_CLOSE(SceneSpacing(s.scene, inside), 1.5, 0.5, "the spacing at a saddle");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What auto stands for. */
+static PetscErrorCode TestAuto(void)
+{
+  Setup s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(ROUND "-spacing_follow auto ", &s));
+  CHECK(FollowOf(s.domain)->what == FOLLOW_SURFACE, "rings follow all of the surface");
+  PetscCall(SetupClose(&s));
+  PetscCall(SetupOpen(POOL "-spacing_follow auto ", &s));
+  CHECK(FollowOf(s.domain)->what == FOLLOW_CURVATURE, "in space the curvature counts");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* How a field is carried. A colour is a part of the volume, whatever its row says. */
 static Carry CarryOf(PetscInt f)
 {
@@ -351,6 +400,8 @@ int main(int argc, char **argv)
   PetscCall(TestCarried());
   PetscCall(TestRings());
   PetscCall(TestNormals());
+  PetscCall(TestSaddle());
+  PetscCall(TestAuto());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
