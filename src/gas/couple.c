@@ -26,60 +26,116 @@
    times. With the former pressure of the liquid around it, as gaps have, it would grow by whatever pressure it has: the
    dam break (cases/dam_break/impact.opts) then had 500 J/m of 265 at 1.6 s.
 
-   Rows that see neither gas nor air nor a void (gaps between particles that are no surface) have the former pressure of
-   the liquid around them outside, not 0: beside gas at another pressure they would implode. Their closure stays:
-   without it the velocity of a particle with few neighbours grows from step to step (pressure/closure.c). Without
-   pockets they keep 0, as dry dummy particles have: in the full box of the stirred tank the former pressure, with its
-   mean or that of the liquid taken off, was unstable in two of three packings that run with 0. */
+   Rows that see neither gas nor air nor a void (gaps between particles that are no surface) have the pressure around
+   them outside: with m the mean of the liquid neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its
+   part HELD. With 0 outside they implode beside gas at another pressure; with the former pressure around them, and with
+   0 in a vessel without open air, they stop the full box of the stirred tank in two of ten packings; with no closure
+   the velocity of a particle with few neighbours grows from step to step (pressure/closure.c), and with HELD 0.01 the
+   solver does not converge in one of three. Where there is open air and no pocket they keep 0, as dry dummy particles
+   have. */
 #include "gas_impl.h"
 
 #define CENTRED    0.25 /* b */
 #define DAMPED     0.25 /* a, from RESOLVED + UNRESOLVED on; no reference, these numbers hold films in gas_odd.py */
 #define RESOLVED   3.5  /* bound of the frequency times the step below which a = 0 */
 #define UNRESOLVED 4
-#define MEMORY     4   /* relaxation times of the pressure in which the cells correct a volume */
-#define COUNTS     0.1 /* cells that are emptier count for what a row sees */
-#define HOLD       0.3 /* of what a volume lacks, that an iteration of the settling gives back */
-#define LEAST      0.1 /* of the volume by the cells: the tracked one is not less */
+#define MEMORY     4    /* relaxation times of the pressure in which the cells correct a volume */
+#define COUNTS     0.1  /* cells that are emptier count for what a row sees */
+#define HOLD       0.3  /* of what a volume lacks, that an iteration of the settling gives back */
+#define HELD       0.2  /* of the closure of a gap that stays; no reference */
+#define LEVEL      0.05 /* of C, that voids without open air get besides: else the level of the pressure is free */
+#define LEAST      0.1  /* of the volume by the cells: the tracked one is not less */
 
 void GasForget(Gas *gas)
 {
-  gas->rows = gas->gaps = gas->yields = 0;
-  gas->now.count                      = 0;
+  gas->rows = gas->gaps = gas->gapped = gas->yields = 0;
+  gas->now.count                                    = 0;
 }
 
-/* The mean pressure of the liquid around particle a. */
-static PetscReal PressureAround(Cloud cloud, PetscInt a)
-{
-  PetscReal sum = 0;
-  PetscInt  n   = 0;
-
-  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-    if (cloud->integer[INT_LAYER][cloud->list[k]]) continue;
-    sum += cloud->field[FIELD_PRESSURE][cloud->list[k]];
-    n++;
-  }
-  return n ? sum / n : cloud->field[FIELD_PRESSURE][a];
-}
-
-static PetscErrorCode AddGap(Gas *gas, PetscInt a)
+/* Makes room for one more entry of 'bytes' in a list. */
+static PetscErrorCode Grow(PetscInt count, PetscInt *capacity, size_t bytes, void *list)
 {
   PetscFunctionBegin;
-  if (gas->gaps == gas->gaps_capacity) {
-    gas->gaps_capacity = 2 * gas->gaps_capacity + 1024;
-    PetscCall(PetscRealloc((size_t)gas->gaps_capacity * sizeof(*gas->gap), &gas->gap));
+  if (count < *capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  *capacity = 2 * *capacity + 1024;
+  PetscCall(PetscRealloc((size_t)*capacity * bytes, (void **)list));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mean of p ([n_total]) of the liquid around particle a; alone: 0. */
+static PetscReal MeanAround(Cloud cloud, PetscInt a, const PetscReal p[], PetscInt *n)
+{
+  PetscReal sum = 0;
+
+  *n = 0;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    if (cloud->integer[INT_LAYER][cloud->list[k]]) continue;
+    sum += p[cloud->list[k]];
+    (*n)++;
   }
-  gas->gap[gas->gaps++] = (GasGap){a, PressureAround(gas->cloud, a)};
+  return *n ? sum / *n : 0;
+}
+
+/* Lists the liquid beside gaps, of this rank and of others. */
+static PetscErrorCode FindTies(Gas *gas)
+{
+  const Cloud cloud = gas->cloud;
+  PetscReal  *is;
+
+  PetscFunctionBegin;
+  gas->ties   = 0;
+  gas->gapped = gas->gaps;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &gas->gapped, 1, MPIU_INT, MPI_SUM, cloud->comm));
+  if (!gas->gapped) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, 1, &is));
+  PetscCall(PetscArrayzero(is, cloud->n_total));
+  for (PetscInt g = 0; g < gas->gaps; g++) is[gas->gap[g]] = 1;
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, is));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+      if (is[cloud->list[k]] == 0 || cloud->integer[INT_LAYER][cloud->list[k]]) continue;
+      PetscCall(Grow(gas->ties, &gas->ties_capacity, sizeof(*gas->tie), (void *)&gas->tie));
+      gas->tie[gas->ties++] = (GasTie){a, cloud->list[k]};
+    }
+  PetscCall(CloudRestoreWork(cloud, &is));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* y += share c ((1 - m)(1 - m)^T - 1) p of all gaps, but for their part HELD. */
+static PetscErrorCode AddGaps(const Gas *gas, Pressure pressure, PetscReal share, const PetscScalar p[],
+                              PetscScalar y[])
+{
+  const Cloud      cloud   = gas->cloud;
+  const PetscReal *closure = PressureClosure(pressure);
+  PetscReal       *all, *pull;
+
+  PetscFunctionBegin;
+  if (!gas->gapped || share == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CloudGetWork(cloud, 1, &all));
+  PetscCall(CloudGetWork(cloud, 1, &pull));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) all[a] = PetscRealPart(p[a]);
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, all));
+  for (PetscInt g = 0; g < gas->gaps; g++) {
+    const PetscInt  a = gas->gap[g];
+    PetscInt        n;
+    const PetscReal mean = MeanAround(cloud, a, all, &n), c = share * (1 - HELD) * closure[a];
+
+    pull[a] = 0;
+    if (!n) continue;
+    y[a] -= c * mean;
+    pull[a] = c / n * (all[a] - mean);
+  }
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, pull));
+  for (const GasTie *tie = gas->tie; tie < gas->tie + gas->ties; tie++) y[tie->row] -= pull[tie->gap];
+  PetscCall(CloudRestoreWork(cloud, &pull));
+  PetscCall(CloudRestoreWork(cloud, &all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode AddRow(Gas *gas, const GasRow *row)
 {
   PetscFunctionBegin;
-  if (gas->rows == gas->rows_capacity) {
-    gas->rows_capacity = 2 * gas->rows_capacity + 1024;
-    PetscCall(PetscRealloc((size_t)gas->rows_capacity * sizeof(*gas->row), &gas->row));
-  }
+  PetscCall(Grow(gas->rows, &gas->rows_capacity, sizeof(*gas->row), (void *)&gas->row));
   gas->row[gas->rows++] = *row;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,13 +197,16 @@ PetscErrorCode GasFindRows(Gas *gas)
   PetscFunctionBegin;
   gas->rows = gas->gaps = gas->yields = 0;
   gas->layout                         = cloud->layout;
-  for (PetscInt a = 0; a < cloud->n_fluid && gas->now.count; a++) {
+  for (PetscInt a = 0; a < cloud->n_fluid && (gas->now.count || !gas->open); a++) {
     Sight    all, each[GAS_SHARE];
     PetscInt n;
 
     if (!PressureCloses(gas->pressure, a)) continue;
     n = Look(gas, a, &all, each);
-    if (all.sum == 0) PetscCall(AddGap(gas, a));
+    if (all.sum == 0) {
+      PetscCall(Grow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), (void *)&gas->gap));
+      gas->gap[gas->gaps++] = a;
+    }
     for (PetscInt m = 0; m < n; m++) {
       GasRow row = {.row = a, .pocket = each[m].region - 1};
 
@@ -160,6 +219,7 @@ PetscErrorCode GasFindRows(Gas *gas)
       PetscCall(AddRow(gas, &row));
     }
   }
+  PetscCall(FindTies(gas));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -327,9 +387,10 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
       gas->g[k]              = 0;
     } else if (gas->frozen) /* at rest */
       gas->g[k] = HOLD * (pocket->amount - pocket->volume) / (dt * dt * s);
-    else if (constant)
+    else if (constant) {
+      if (!gas->open && PocketIsVoid(pocket)) gas->matrix[k * n + k] *= 1 + LEVEL;
       gas->g[k] = ((pocket->amount - V) / (MEMORY * PressureRelaxationTime(pressure)) - gas->star[k + 1]) / (dt * s);
-    else {
+    } else {
       const PetscReal P = gas->ambient * PetscPowReal(pocket->amount / V, gas->exponent), K = gas->exponent * P / V,
                       often = dt * PetscSqrtReal(K * s * gas->matrix[k * n + k]),
                       part = PetscMax(0, PetscMin(1, (often - RESOLVED) / UNRESOLVED)), now = CENTRED + DAMPED * part,
@@ -367,7 +428,9 @@ static PetscErrorCode Add(void *context, Pressure pressure, const PetscScalar p[
   PetscReal  q[GAS_MOST];
 
   PetscFunctionBegin;
-  if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AddGaps(gas, pressure, 1, p, y));
+  if (!gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Pressures(gas, p, NULL, q));
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++) y[r->row] -= r->closure * q[r->pocket];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -376,13 +439,13 @@ static PetscErrorCode Add(void *context, Pressure pressure, const PetscScalar p[
 static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
 {
   const Gas      *gas  = (const Gas *)context;
-  const PetscReal kept = PressureKeptShare(pressure), *closure = PressureClosure(pressure);
+  const PetscReal kept = PressureKeptShare(pressure);
   PetscReal       q[GAS_MOST];
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < gas->gaps && Acts(gas); k++)
-    rhs[gas->gap[k].row] += (1 - kept) * closure[gas->gap[k].row] * gas->gap[k].pressure;
-  if (!Acts(gas) || !gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AddGaps(gas, pressure, kept, gas->cloud->field[FIELD_PRESSURE], rhs));
+  if (!gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Pressures(gas, NULL, gas->g, q));
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++)
     rhs[r->row] += r->closure * (q[r->pocket] - (r->share > 0 ? kept * gas->now.pocket[r->pocket + 1].pressure : 0));
@@ -412,7 +475,8 @@ static PetscErrorCode Outside(void *context, Pressure pressure, PetscReal outsid
 
   PetscFunctionBegin;
   if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt k = 0; k < gas->gaps; k++) outside[gas->gap[k].row] += gas->gap[k].pressure;
+  for (PetscInt g = 0, n; g < gas->gaps; g++)
+    outside[gas->gap[g]] += (1 - HELD) * MeanAround(gas->cloud, gas->gap[g], gas->cloud->field[FIELD_PRESSURE], &n);
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++) {
     const PetscReal P = gas->now.pocket[r->pocket + 1].pressure;
 

@@ -1,7 +1,7 @@
 /* Gas without density that liquid encloses, as an edge of the step: one unknown pressure for each pocket. */
 #include "gas_impl.h"
 
-#define LOOK 8 /* steps after which pockets are looked for where there are none */
+#define LOOK 8 /* steps after which pockets are looked for where there is open air and none */
 
 static const OptionRow options[] = {
   {"-gas",
@@ -77,6 +77,7 @@ static PetscErrorCode Destroy(Stepper stepper)
   PetscCall(MatDestroy(&gas->factor));
   PetscCall(PetscFree(gas->row));
   PetscCall(PetscFree(gas->gap));
+  PetscCall(PetscFree(gas->tie));
   PetscCall(PetscFree(gas->matrix));
   PetscCall(PetscFree(gas->loads.load));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -142,7 +143,7 @@ static PetscErrorCode Surround(Stepper stepper)
   Gas *gas = GasOf(stepper);
 
   PetscFunctionBegin;
-  if (gas->before_known && !gas->before.count && (gas->frozen || gas->idle < LOOK - 1))
+  if (gas->before_known && !gas->before.count && (gas->frozen || (gas->open && gas->idle < LOOK - 1)))
     PetscFunctionReturn(PETSC_SUCCESS);
   if (gas->frozen && gas->found) GasSwap(gas);
   PetscCall(GasFind(gas));

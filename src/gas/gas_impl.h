@@ -130,11 +130,11 @@ typedef struct {
   PetscReal closure, share, slope[DIM], bend[DIM], area[DIM];
 } GasRow;
 
-/* A row that sees neither gas nor air, although its neighbourhood has gaps, and the former pressure around it, Pa. */
+/* Row 'row' of this rank is beside the particle 'gap', a row that sees neither gas nor air, although its neighbourhood
+   has gaps. */
 typedef struct {
-  PetscInt  row;
-  PetscReal pressure;
-} GasGap;
+  PetscInt row, gap;
+} GasTie;
 
 /* The data of the edge. */
 typedef struct {
@@ -150,7 +150,9 @@ typedef struct {
   PetscInt  layout;                     /* of the cloud, when the rows were found */
   PetscInt  rows, rows_capacity, gaps, gaps_capacity;
   GasRow   *row;
-  GasGap   *gap;
+  PetscInt  gapped, ties, ties_capacity; /* gaps of all ranks */
+  PetscInt *gap;
+  GasTie   *tie;
   Mat       factor;                                /* of D + C, by Cholesky */
   PetscReal g[GAS_MOST], *matrix;                  /* [count][count] D + C */
   PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
@@ -171,7 +173,7 @@ void           GasSwap(Gas *gas);
 
 /* --- couple.c --- */
 extern const LowRank GasTerm; /* its context is a Gas */
-/* GasFindRows - finds rows and gaps after GasFind. GasForget - there are none. Not collective. */
+/* GasFindRows - finds rows and gaps after GasFind. Collective. GasForget - there are none. Not collective. */
 PetscErrorCode GasFindRows(Gas *gas);
 void           GasForget(Gas *gas);
 
