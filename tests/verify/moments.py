@@ -33,7 +33,7 @@ SPACE = TANK + f"""-dimension 3 -box_lower 0,0,0 -box_upper 0.4,0.2,0.5 -box_x w
 s = runs.series(runs.run(SPACE, "space"))
 runs.check_within(mean(s, "moment_xmax_y") / (0.2 * RHO * G * 0.3**3 / 6), 0.95, 1.05, "in space, about y")
 runs.check_below(np.abs([mean(s, f"moment_xmax_{c}") for c in "xz"]).max() / mean(s, "moment_xmax_y"), 0.03, "alone")
-# a drop of water hits a wall: the force of the pressure and the pull of tension at the contact lines change its momentum
+# a drop of water hits a wall: the force of the pressure and the pull of tension at contact lines change its momentum
 folder = runs.run("""-dimension 2 -spacing 0.05e-3 -box_lower -4e-3,0 -box_upper 4e-3,4e-3 -box_ymin wall -bodies drop
  -drop_shape sphere -drop_radius 1e-3 -drop_center 0,1.05e-3 -drop_tension 0.072 -drop_velocity 0,-0.5 -gauge_forces
  -time_end 3e-3 -series_interval 0 -snapshot_interval 3e-3 -checkpoint_interval 0""", "impact")
