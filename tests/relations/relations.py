@@ -377,6 +377,8 @@ def later(t):
         raise Unfit(f"-{t.scene.moves()[0]} is a function of the time")
     late, changes = 0.125, {}
     for body in t.scene.names("bodies"):
+        if f"{body}_velocity_file" in t.scene.options:
+            raise Unfit(f"-{body}_velocity_file is a function of the time")
         if t.scene.options.get(f"{body}_type") == "emitter":
             changes[f"{body}_start"] = [t.scene.number(f"{body}_start") + late]
     if "gravity_amplitude" in t.scene.options:

@@ -20,7 +20,7 @@ POINTS = {"center", "point", "rotation_center", "strain_center", "frame_rotation
 DIRECTIONS = {"velocity", "gravity", "gravity_amplitude", "oscillation_amplitude", "normal", "axis"}
 ROTATIONS = {"rotation_rate", "frame_rotation_rate", "rotation_axis"}
 CORNERS = ("lower", "upper")
-FACE = re.compile(r"box_([xyz])(min|max)?(_velocity|_contact_angle)?$")
+FACE = re.compile(r"box_([xyz])(min|max)?(_velocity|_contact_angle|_level|_pressure)?$")
 # Places that are the origin if they are not given, by the word that asks for them.
 ORIGINS = {"sphere": "center", "cylinder": "center", "ellipsoid": "center", "thread": "center", "half_space": "point",
            "rotation": "rotation_center", "strain": "strain_center"}
@@ -208,7 +208,7 @@ def mapped(scene, matrix, shift):
             changed[name] = (matrix @ rate @ matrix.T).ravel()
         elif what == "radii":
             changed[name] = abs(matrix @ scene.vector(name)[:n])
-        elif what in ("motion_file", "file"):
+        elif what in ("motion_file", "velocity_file", "file"):
             raise Unfit(f"-{name}: the places of a file are not seen from elsewhere")
         elif what == "inertia" and value.count(","):
             changed[name] = abs(matrix @ scene.vector(name)[:n])
@@ -225,9 +225,12 @@ def mapped(scene, matrix, shift):
             other = ("min", "max")[k if matrix[to, d] > 0 else 1 - k]
             new = f"box_{'xyz'[to]}{other}"
             faces[new] = scene.face(letter, end)
-            for more in ("_velocity", "_contact_angle"):
+            for more in ("_velocity", "_contact_angle", "_level", "_pressure"):
                 if f"box_{letter}{end}{more}" in scene.options:
                     value = scene.options[f"box_{letter}{end}{more}"]
+                    if more == "_level":  # against gravity
+                        down = matrix @ scene.vector("gravity")[:n]
+                        value = plain(float(value) - down @ shift / np.linalg.norm(down))
                     faces[new + more] = plain(matrix @ scene.vector(f"box_{letter}{end}{more}")[:n]) if (
                         more == "_velocity") else value
     if scene.rings:
@@ -253,7 +256,7 @@ def scaled(scene, length, time, mass):
             continue  # PETSc's: numbers without a unit
         if what not in powers:
             raise Unfit(f"-{name} is none of ours")
-        if what in ("motion_file", "file"):
+        if what in ("motion_file", "velocity_file", "file"):
             raise Unfit(f"-{name}: the numbers of a file stay in their units")
         if what in ("viscosity_model",) and value in ("power_law", "herschel_bulkley"):
             raise Unfit(f"-{name} {value}: its consistency has no power of two")
