@@ -123,7 +123,7 @@ for _ in range(20000):
 runs.check_within(np.ptp(gas["pressure"]) / np.ptp(exact), 0.85, 1.15, "breathing_film_amplitude")
 runs.check_within(gas["pressure"].mean() / np.mean(exact), 0.9, 1.1, "breathing_film_pressure")
 
-# a full tank whose paddle leaves voids, and gaps smaller than a void: without a level of the pressure it stops at 0.165 s
+# a full tank whose paddle leaves voids, and gaps smaller than a void: with no level of the pressure it stops early
 TANK = f"""-options_file {runs.ROOT}/cases/stirred_tank/case.opts -pressure_relaxation_ratio 5 -gas -packing_seed 7
  -series_interval 5e-3 -snapshot_interval 1 -time_end 0.18 """
 series = runs.series(runs.run(TANK, "tank"))
