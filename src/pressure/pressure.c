@@ -102,7 +102,7 @@ static const OptionRow numbers[] = {
   {"-pressure_relaxation_time",
    "Time in which the divergence source corrects density errors; 0: from the scene's velocity and h", "s", "[0, inf)",
    ROW_REAL, offsetof(struct _p_Pressure, relaxation_option)},
-  {"-pressure_wall_suction", "The density source of walls may be negative, as printed: walls may pull", NULL, NULL,
+  {"-pressure_wall_suction", "Walls may pull beside a free surface, and by the density source, as printed", NULL, NULL,
    ROW_BOOL, offsetof(struct _p_Pressure, wall_suction)},
   {"-pressure_rebuild_interval",
    "Steps after which the preconditioner is rebuilt; 0: 10 for twolevel, jacobi and none, 50 for all others", "1",

@@ -93,7 +93,11 @@ ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")
 # solids that move
 ENTRIES += [Entry("turning_box", size=TEST), Entry("dragged_cylinder"), Entry("piston"), Entry("stirred_tank"),
             Entry("floating_box"), Entry("floating_box", "sphere", file="sphere.opts"),
-            Entry("coated_plate"), Entry("honey"), Entry("honey", "0.25 mm", "-spacing 0.25e-3", size=LONG),
+            Entry("coated_plate"), Entry("slot_jet"),
+            Entry("slot_jet", "half the step", "-time_cfl 0.1"),
+            Entry("slot_jet", "5 spacings in half the slot", "-spacing 1e-3", TEST),
+            Entry("slot_jet", "20 spacings in half the slot", "-spacing 0.25e-3"),
+            Entry("honey"), Entry("honey", "0.25 mm", "-spacing 0.25e-3", size=LONG),
             Entry("rotating_cup"),
             Entry("rotating_cup", "in a frame that turns", file="frame.opts")]
 
@@ -264,7 +268,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "column", "turning_box", "dragged_cylinder",
                 "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "gas_piston", "coated_plate",
-                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall", "bursting_bubble"}
+                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall", "bursting_bubble", "slot_jet"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
