@@ -2,6 +2,7 @@
 #include "outlets_impl.h"
 
 #define NAME_LENGTH 32
+#define NO_LEVEL    (-1e300) /* m */
 
 static const NumberRow rows[] = {
   {"outlet_work", NUMBER_REAL, offsetof(OutletNumbers, work), ENERGY_GIVEN, "the pressure outside outlets"},
@@ -51,9 +52,10 @@ static PetscErrorCode ReadFace(const Domain domain, OptionItems PetscOptionsObje
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(name[0], NAME_LENGTH, "-box_%s_level", FaceNames[d][side]));
   PetscCall(PetscSNPrintf(name[1], NAME_LENGTH, "-box_%s_pressure", FaceNames[d][side]));
+  outlet->level = NO_LEVEL;
   PetscCall(OptionsRead(PetscOptionsObject, options, __func__, outlet));
-  outlet->has_level = OptionFind(name[0])->given;
-  outlet->on        = (PetscBool)(outlet->has_level || OptionFind(name[1])->given);
+  outlet->has_level = (PetscBool)(outlet->level > NO_LEVEL);
+  outlet->on        = (PetscBool)(outlet->has_level || outlet->pressure != 0);
   PetscCheckUser(!outlet->on || domain->face[d][side] == FACE_OPEN, domain->comm,
                  "%s: the face is %s; only an open one has an outside", name[outlet->has_level ? 0 : 1],
                  FaceTypes[domain->face[d][side]]);
@@ -218,7 +220,7 @@ static PetscBool HasOutlets(Scene scene, Tension tension)
   for (PetscInt f = 0; f < 4 * DIM; f++) {
     (void)PetscSNPrintf(name, sizeof(name), "-box_%s_%s", FaceNames[f / 4][f / 2 % 2], f % 2 ? "level" : "pressure");
     note = OptionFind(name);
-    any  = (PetscBool)(any || (note && note->given));
+    any  = (PetscBool)(any || (note && note->given && strcmp(note->value, note->standard)));
   }
   return any;
 }
