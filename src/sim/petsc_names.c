@@ -37,7 +37,7 @@ static PetscErrorCode ReadFile(const char path[], PetscNames *names)
 
   PetscFunctionBegin;
   while (file && (c = getc_unlocked(file)) != EOF) {
-    if (length && (islower(c) || c == '_' || (isdigit(c) && length > 1)) && length < sizeof(text))
+    if (length && (isalpha(c) || c == '_' || (isdigit(c) && length > 1)) && length < sizeof(text))
       text[length++] = (char)c;
     else {
       if (length > NAME_LEAST && !c) PetscCall(Add(names, text + 1, length - 1));

@@ -78,7 +78,8 @@ def core():
                         ("-spectrumm", "-spectrum?"), ("-rotation_rate", "-drop_rotation_rate?"),
                         ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
                         ("-packing_distance", "it belongs to -packing_type poisson"),
-                        ("-pc_gamg_threshold", "it belongs to -pc_type gamg")):
+                        ("-pc_gamg_threshold", "it belongs to -pc_type gamg"),
+                        ("-pc_ml_Threshold", "it belongs to -pc_type ml")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
     for name, fate in (("-surface_cone", "the constant CONE of src/operators/surface.c"),
                        ("-pc_twolevel_omega", "the constant OMEGA"),
