@@ -101,16 +101,23 @@ PetscBool SortedCellsWithin(SortedCells *cells, const PetscReal x[DIM], PetscRea
   return PETSC_FALSE;
 }
 
-/* Copies a column of the lines. Each line is copied in whole vectors; the next line overwrites the surplus. */
-static void CopyColumn(const SortedCells *cells, const PetscReal from[], PetscReal *restrict to)
+/* Copies columns of the lines. Each line is copied in whole vectors; the next line overwrites the surplus. A line is
+   short, so the loop over the columns is the inner one: a call of memmove for each column of a line takes longer. */
+static void CopyColumns(const SortedCells *cells, PetscInt columns)
 {
-  for (PetscInt l = 0; l < cells->lines; to += cells->line[l++].length)
-    for (PetscInt k = 0; k < cells->line[l].length; k += VECTOR) {
-      const PetscReal *restrict piece = from + cells->line[l].begin + k;
+  const PetscReal *from[SORTED_WIDTH];
+  PetscReal       *to[SORTED_WIDTH];
+  PetscInt         count = 0, at = 0;
 
-      SIMD_LOOP()
-      for (PetscInt i = 0; i < VECTOR; i++) to[k + i] = piece[i];
-    }
+  for (PetscInt w = 0; w < SORTED_WIDTH; w++) {
+    if (!(columns >> w & 1)) continue;
+    from[count] = cells->sorted + w * cells->count;
+    to[count++] = cells->near + w * cells->stride;
+  }
+  for (PetscInt l = 0; l < cells->lines; at += cells->line[l++].length)
+    for (PetscInt k = 0; k < cells->line[l].length; k += VECTOR)
+      for (PetscInt w = 0; w < count; w++)
+        (void)memcpy(to[w] + at + k, from[w] + cells->line[l].begin + k, VECTOR * sizeof(PetscReal));
 }
 
 PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n)
@@ -125,9 +132,21 @@ PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt colum
     PetscCall(PetscFree(cells->near));
     PetscCall(PetscMalloc1(SORTED_WIDTH * cells->stride, &cells->near));
   }
-  for (PetscInt w = 0; w < SORTED_WIDTH; w++)
-    if (columns >> w & 1) CopyColumn(cells, cells->sorted + w * cells->count, cells->near + w * cells->stride);
+  CopyColumns(cells, columns);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void SortedCellsPlaces(const SortedCells *cells, PetscInt n, int32_t index[])
+{
+  PetscInt line = -1, end = 0, shift = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    while (index[k] >= end) {
+      shift = cells->line[++line].begin - end;
+      end += cells->line[line].length;
+    }
+    index[k] += (int32_t)shift;
+  }
 }
 
 /* What is copied in single precision: the columns of the particles within the support of a box. */

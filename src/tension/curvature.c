@@ -371,11 +371,17 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
+/* The columns in which the places of a fit's neighbours are. */
+typedef struct {
+  const PetscReal *first;
+  PetscInt         stride;
+} Columns;
+
 /* The weighted mean of column 6 over the neighbours of a fit. */
-static PetscReal WeightedMean(const At        *at, const float *restrict weight, const int32_t *restrict place,
+static PetscReal WeightedMean(Columns from, const float *restrict weight, const int32_t *restrict place,
                               const NormalFit *fit)
 {
-  const PetscReal *restrict value = at->liquid->near + 2 * DIM * at->liquid->stride;
+  const PetscReal *restrict value = from.first + 2 * DIM * from.stride;
   PetscReal f                     = 0;
 
   SIMD_LOOP(reduction(+ : f))
@@ -384,11 +390,11 @@ static PetscReal WeightedMean(const At        *at, const float *restrict weight,
 }
 
 /* The slope of column 6 along the surface with the normal n at the particle, where its mean is 'mean'. */
-static void WeightedSlope(const At       *at, const float *restrict weight, const int32_t *restrict place,
+static void WeightedSlope(const At *at, Columns from, const float *restrict weight, const int32_t *restrict place,
                           const PetscReal n[DIM], const NormalFit *fit, PetscReal mean, PetscReal slope[DIM])
 {
-  const PetscInt stride        = at->liquid->stride;
-  const PetscReal *restrict cx = at->liquid->near, *restrict cy = cx + stride, *restrict cz = cy + stride,
+  const PetscInt stride        = from.stride;
+  const PetscReal *restrict cx = from.first, *restrict cy = cx + stride, *restrict cz = cy + stride,
                             *restrict value = cx + 2 * DIM * stride;
   const PetscReal x0 = at->x[0], y0 = at->x[1], z0 = at->x[2];
   PetscReal       along, fx = 0, fy = 0, fz = 0, f;
@@ -498,6 +504,8 @@ static PetscErrorCode FindCurvature(Tension tension, Cloud cloud, const Phase *p
     ImagesTilt(tension, &at, &around, n, 1);
     SumNormals(tension, &at, &around, n, data->weight + *used, data->place + *used, &m);
     PrepareFit(tension, &at, &m, &fit[p]);
+    fit[p].sorted = (PetscBool)(around.images == 0);
+    if (fit[p].sorted) SortedCellsPlaces(at.liquid, m.kept, data->place + *used);
     capillary[a] = Sigma(cloud, phase, a) * SurfaceCurvature(tension, &at, &m, &fit[p], n, &more, &bending);
     if (bends) bends[a] = bending;
     if (deeper) deeper[a] += more;
@@ -523,13 +531,17 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     const NormalFit *fit    = &data->fit[level][p];
     const float     *weight = data->weight + *used;
     const int32_t   *place  = data->place + *used;
+    Columns          from   = {at.liquid->sorted, at.liquid->count};
 
     if (!TensionOwns(tension, cloud, level, p)) continue;
-    PetscCall(ImagesCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
-    mean[a] = WeightedMean(&at, weight, place, fit);
+    if (!fit->sorted) {
+      PetscCall(ImagesCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
+      from = (Columns){at.liquid->near, at.liquid->stride};
+    }
+    mean[a] = WeightedMean(from, weight, place, fit);
     if (slope) {
-      ImagesTilt(tension, &at, &around, normal + DIM * a, 1);
-      WeightedSlope(&at, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
+      if (!fit->sorted) ImagesTilt(tension, &at, &around, normal + DIM * a, 1);
+      WeightedSlope(&at, from, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;
   }

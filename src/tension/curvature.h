@@ -16,6 +16,7 @@
 /* A linear fit to values at the neighbours of a particle whose normals point to the same side. */
 typedef struct {
   PetscBool enough;    /* enough neighbours for a slope */
+  PetscBool sorted;    /* no images were collected: the neighbours' places are those in the sorted liquid */
   PetscReal x[DIM];    /* weighted mean position of the neighbours relative to the particle, m */
   PetscReal B[6];      /* inverse of their weighted second moments about this mean, 1/m2 */
   PetscReal inverse_w; /* 1/sum W */
@@ -74,7 +75,7 @@ typedef struct {
   NormalFit     *fit[SIZE_LEVELS];     /* [fit_capacity], by place in the sorted liquid of the level */
   PetscInt       fit_capacity[SIZE_LEVELS];
   float         *weight; /* [weight_capacity] weights of the fits' neighbours ... */
-  int32_t       *place;  /* [weight_capacity] ... and their places among the collected particles */
+  int32_t       *place;  /* [weight_capacity] ... and their places: see NormalFit's 'sorted' */
   PetscInt64     weight_capacity;
 } Curvature;
 
