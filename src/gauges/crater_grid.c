@@ -5,7 +5,7 @@
 #define SKY_GAP    2         /* cells a side of a gap that the sky enters: holes between particles are narrower */
 #define MAX_CELLS  (1 << 25) /* bounds the memory: a scene with more gets larger cells */
 #define COARSENING 1.25      /* factor of one enlargement */
-#define NEIGHBORS  26        /* cells that touch a cell, at corners too */
+#define ROWS       8         /* of cells that touch a row of cells along x, at edges too */
 #define CELL_SIZE  1.25      /* spacings: a lattice of particles leaves no such cell empty */
 
 /* Bounds of the fluid of all ranks along the grid's axes, m: minus the lower bounds, then the upper bounds. */
@@ -58,26 +58,36 @@ static PetscErrorCode SetSizes(Gauges gauges, const ParticleArrays *arrays, Crat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Visits all liquid connected with the cell 'seed': afterwards queue[start .. end) holds its cells. Returns 'end'.
-   body: number of these cells with liquid of the pool's body. The rim is empty, so no step leaves the grid. */
-static PetscInt Flood(CraterGrid *grid, const PetscInt step[NEIGHBORS], PetscInt seed, PetscInt start, PetscInt *body)
+/* Visits the run of liquid along x that has cell c: queues its first cell behind 'end', and adds its cells with liquid
+   of the pool's body. Returns the cell behind the run. The rim is empty, so no run leaves its row. */
+static PetscInt Enter(CraterGrid *grid, PetscInt c, PetscInt *end, PetscInt *body)
+{
+  while (grid->cell[c - 1] & CELL_LIQUID) c--;
+  grid->queue[(*end)++] = c;
+  for (; grid->cell[c] & CELL_LIQUID; c++) {
+    grid->cell[c] |= CELL_VISITED;
+    *body += (grid->cell[c] & CELL_BODY) != 0;
+  }
+  return c;
+}
+
+/* Visits all liquid connected with the cell 'seed', at corners too: afterwards queue[start .. end) holds the first
+   cells of its runs. Returns 'end'. row: steps to the rows around one; body: number of the cells with liquid of the
+   pool's body. */
+static PetscInt Flood(CraterGrid *grid, const PetscInt row[ROWS], PetscInt seed, PetscInt start, PetscInt *body)
 {
   PetscInt end = start;
 
   *body = 0;
-  grid->cell[seed] |= CELL_VISITED;
-  grid->queue[end++] = seed;
+  (void)Enter(grid, seed, &end, body);
   for (PetscInt head = start; head < end; head++) {
-    const PetscInt c = grid->queue[head];
+    const PetscInt first = grid->queue[head];
+    PetscInt       last  = first;
 
-    *body += (grid->cell[c] & CELL_BODY) != 0;
-    for (PetscInt s = 0; s < NEIGHBORS; s++) {
-      const PetscInt next = c + step[s];
-
-      if ((grid->cell[next] & (CELL_LIQUID | CELL_VISITED)) != CELL_LIQUID) continue;
-      grid->cell[next] |= CELL_VISITED;
-      grid->queue[end++] = next;
-    }
+    while (grid->cell[last + 1] & CELL_LIQUID) last++;
+    for (PetscInt r = 0; r < ROWS; r++)
+      for (PetscInt c = first - 1 + row[r]; c <= last + 1 + row[r]; c++)
+        if ((grid->cell[c] & (CELL_LIQUID | CELL_VISITED)) == CELL_LIQUID) c = Enter(grid, c, &end, body);
   }
   return end;
 }
@@ -85,26 +95,24 @@ static PetscInt Flood(CraterGrid *grid, const PetscInt step[NEIGHBORS], PetscInt
 /* Marks CELL_POOL: the component with the most cells of the pool's body. */
 static void MarkPool(CraterGrid *grid)
 {
-  PetscInt step[NEIGHBORS], steps = 0, end = 0, best_start = 0, best_end = 0, best = 0;
+  PetscInt row[ROWS], rows = 0, end = 0, best_start = 0, best_end = 0, best = 0;
 
-  for (PetscInt c = 0; c < 27; c++) { /* a cube of three cells a side, but for its middle */
-    const PetscInt i = c % 3 - 1, j = c / 3 % 3 - 1, k = c / 9 - 1;
-
-    if (i || j || k) step[steps++] = CellIndex(grid->n, i, j, k);
-  }
+  for (PetscInt c = 0; c < ROWS + 1; c++)
+    if (c != ROWS / 2) row[rows++] = CellIndex(grid->n, 0, c % 3 - 1, c / 3 - 1);
   for (PetscInt seed = 0; seed < grid->count; seed++) {
     const PetscInt start = end;
     PetscInt       body;
 
     if ((grid->cell[seed] & (CELL_BODY | CELL_VISITED)) != CELL_BODY) continue;
-    end = Flood(grid, step, seed, start, &body);
+    end = Flood(grid, row, seed, start, &body);
     if (body > best) {
       best       = body;
       best_start = start;
       best_end   = end;
     }
   }
-  for (PetscInt k = best_start; k < best_end; k++) grid->cell[grid->queue[k]] |= CELL_POOL;
+  for (PetscInt k = best_start; k < best_end; k++)
+    for (PetscInt c = grid->queue[k]; grid->cell[c] & CELL_LIQUID; c++) grid->cell[c] |= CELL_POOL;
 }
 
 PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid)

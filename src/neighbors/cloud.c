@@ -298,12 +298,19 @@ static PetscErrorCode Rehome(Cloud cloud, PetscBool partition)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode CloudResync(Cloud cloud)
+PetscErrorCode CloudReload(Cloud cloud)
 {
   PetscFunctionBegin;
   PetscCall(Rehome(cloud, PETSC_TRUE));
   PetscCall(BuildHalo(cloud));
   PetscCall(UpdateGhosts(cloud));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode CloudResync(Cloud cloud)
+{
+  PetscFunctionBegin;
+  PetscCall(CloudReload(cloud));
   PetscCall(CloudSearch(cloud, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

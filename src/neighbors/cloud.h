@@ -100,8 +100,9 @@ PetscErrorCode CloudIdentity(Cloud cloud, char **text);
 
 /* CloudResync - makes the canonical state from the swarm: partition, migrate, sort, load, halo, neighbours. All that
    follows depends on the stored fields only, so a run continued from a checkpoint written right after this call equals
-   the uninterrupted run. Collective. */
+   the uninterrupted run. CloudReload - the same but for the neighbours, for a caller that searches them. Collective. */
 PetscErrorCode CloudResync(Cloud cloud);
+PetscErrorCode CloudReload(Cloud cloud);
 /* CloudBegin - starts a step: loads the swarm's state, migrates particles when some have moved too far, and chooses the
    ghosts again when the slack is used up. Collective. */
 PetscErrorCode CloudBegin(Cloud cloud);

@@ -137,7 +137,7 @@ static PetscErrorCode AppendNew(Cloud cloud, const Change *change, PetscInt n, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Changes the swarm. The cloud holds the state before until CloudResync. */
+/* Changes the swarm. The cloud holds the state before until CloudReload. */
 static PetscErrorCode Apply(Cloud cloud, Change *change)
 {
   PetscInt n, *id;
@@ -150,14 +150,15 @@ static PetscErrorCode Apply(Cloud cloud, Change *change)
   PetscCall(AppendNew(cloud, change, n, id));
   PetscCall(PetscFree(id));
   if (cloud->domain->adaptive) PetscCall(cloud->domain->adaptive->walls(cloud));
-  PetscCall(CloudResync(cloud));
+  PetscCall(CloudReload(cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report)
 {
-  Change   change;
-  PetscInt done[2];
+  Change    change;
+  PetscInt  done[2];
+  PetscBool any;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_RESAMPLING), 0, 0, 0, 0));
@@ -176,8 +177,11 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &report->energy, 1, MPIU_REAL, MPI_SUM, cloud->comm));
   report->joined = done[0];
   report->split  = done[1];
-  if (done[0] + done[1] > 0 || cloud->domain->adaptive) PetscCall(Apply(cloud, &change));
-  if (done[0] + done[1] > 0 && cloud->domain->adaptive) PetscCall(SmoothDisorder(cloud));
+  any            = (PetscBool)(done[0] + done[1] > 0);
+  if (any || cloud->domain->adaptive) {
+    PetscCall(Apply(cloud, &change));
+    PetscCall(any && cloud->domain->adaptive ? SmoothDisorder(cloud) : CloudSearch(cloud, NULL, NULL));
+  }
   PetscCall(PetscFree2(change.parent, change.at));
   PetscCall(PetscFree2(change.keep, change.changed));
   PetscCall(PetscFree2(change.unit, change.share));
