@@ -23,6 +23,9 @@ static const NumberRow rows[] = {
   {"gas_swept", NUMBER_REAL, offsetof(GasNumbers, swept), ENERGY_NONE, NULL},
   {"gas_power", NUMBER_REAL, offsetof(GasNumbers, power), ENERGY_NONE, NULL},
   {"gas_highest", NUMBER_REAL, offsetof(GasNumbers, highest), ENERGY_NONE, NULL},
+  {"gas_enclosed", NUMBER_REAL, offsetof(GasNumbers, enclosed), ENERGY_NONE, NULL},
+  {"gas_vented", NUMBER_REAL, offsetof(GasNumbers, vented), ENERGY_NONE, NULL},
+  {"gas_lost", NUMBER_REAL, offsetof(GasNumbers, lost), ENERGY_NONE, NULL},
   {"gas_pockets", NUMBER_COUNT, offsetof(GasNumbers, count), ENERGY_NONE, NULL},
   {"gas_known", NUMBER_COUNT, offsetof(GasNumbers, known), ENERGY_NONE, NULL},
   {"gas_idle_steps", NUMBER_COUNT, offsetof(GasNumbers, idle), ENERGY_NONE, NULL},
@@ -165,9 +168,20 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Copies the pockets before to the numbers of the state. */
-static void Keep(const Gas *gas, GasNumbers *so_far)
+/* The pockets that were found become those of the step, and of the state; counted: so do their changes. */
+static void Keep(Gas *gas, PetscBool counted, GasNumbers *so_far)
 {
+  if (counted) {
+    so_far->enclosed += gas->enclosed;
+    so_far->vented += gas->vented;
+    so_far->lost += gas->lost;
+    so_far->born += gas->born;
+    so_far->split += gas->split;
+    so_far->merged += gas->merged;
+    so_far->ended += gas->ended;
+  }
+  GasSwap(gas);
+  GasForget(gas);
   so_far->count = gas->before.count;
   so_far->known = gas->before_known;
   for (PetscInt k = 0; k < so_far->count; k++) so_far->pocket[k] = gas->before.pocket[k + 1];
@@ -193,13 +207,7 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
   /* swept: to the start of the step; in its second half the power goes on as it did */
   so_far->work  = so_far->swept + 0.5 * state->time_step * (2 * power - so_far->power);
   so_far->power = power;
-  so_far->born += gas->born;
-  so_far->split += gas->split;
-  so_far->merged += gas->merged;
-  so_far->ended += gas->ended;
-  GasSwap(gas);
-  GasForget(gas);
-  Keep(gas, so_far);
+  Keep(gas, PETSC_TRUE, so_far);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -238,9 +246,7 @@ static PetscErrorCode Renew(Stepper stepper, PetscBool resumed, StepState *state
   gas->idle = so_far->idle;
   PetscCall(GasFind(gas));
   if (resumed) Recognise(gas, so_far);
-  GasSwap(gas);
-  GasForget(gas);
-  Keep(gas, so_far);
+  Keep(gas, (PetscBool)!resumed, so_far);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -248,15 +254,20 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
                              size_t length)
 {
   const GasNumbers *so_far = (const GasNumbers *)numbers;
+  const char       *unit   = DomainUnit(SceneDomain(scene), "m3");
 
   PetscFunctionBegin;
   if (so_far->known)
     PetscCall(PetscSNPrintf(text, length,
                             "  gas         %" PetscInt_FMT " pockets; so far %" PetscInt_FMT " enclosed, %" PetscInt_FMT
                             " split, %" PetscInt_FMT " merged, %" PetscInt_FMT
-                            " opened or filled; largest pressure %.4g Pa; work %.4g %s\n",
+                            " opened or filled; largest pressure %.4g Pa; work %.4g %s\n"
+                            "              enclosed %.4g %s, of which %.4g opened, %.4g was in regions of less than %d "
+                            "cells of a spacing and is lost\n",
                             so_far->count, so_far->born, so_far->split, so_far->merged, so_far->ended,
-                            (double)so_far->highest, (double)(copies * so_far->work), joule));
+                            (double)so_far->highest, (double)(copies * so_far->work), joule,
+                            (double)(copies * so_far->enclosed), unit, (double)(copies * so_far->vented),
+                            (double)(copies * so_far->lost), GAS_SMALLEST));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,9 +5,10 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define GAS_EDGE  "gas" /* the name of the edge */
-#define GAS_MOST  256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
-#define GAS_SHARE 8     /* pockets that a row may see */
+#define GAS_EDGE     "gas" /* the name of the edge */
+#define GAS_MOST     256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
+#define GAS_SMALLEST 4     /* cells of a pocket, at least */
+#define GAS_SHARE    8     /* pockets that a row may see */
 
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
 enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
@@ -107,10 +108,11 @@ static inline PetscBool PocketIsVoid(const Pocket *pocket)
 
 /* The numbers of the edge in a StepState. */
 typedef struct {
-  PetscReal work, swept;                /* done by gas on the liquid, J; up to the start of the last step */
-  PetscReal power;                      /* at that time, W */
-  PetscReal highest;                    /* largest pressure so far, Pa */
-  PetscInt  count, known, idle;         /* pockets; they have been looked for; steps since then */
+  PetscReal work, swept;            /* done by gas on the liquid, J; up to the start of the last step */
+  PetscReal power;                  /* at that time, W */
+  PetscReal highest;                /* largest pressure so far, Pa */
+  PetscReal enclosed, vented, lost; /* amounts so far: from the air, to the air, in regions too small for a pocket */
+  PetscInt  count, known, idle;     /* pockets; they have been looked for; steps since then */
   PetscInt  born, split, merged, ended; /* pockets so far: enclosed, parted, joined, opened or filled */
   Pocket    pocket[GAS_MOST];
 } GasNumbers;
@@ -147,6 +149,7 @@ typedef struct {
   PetscBool crowded, said;              /* there are more than GAS_MOST regions; the run has said so */
   PetscInt  idle;                       /* steps since pockets were looked for */
   PetscInt  born, split, merged, ended; /* in this step */
+  PetscReal enclosed, vented, lost;     /* in this step */
   PetscInt  layout;                     /* of the cloud, when the rows were found */
   PetscInt  rows, rows_capacity, gaps, gaps_capacity;
   GasRow   *row;

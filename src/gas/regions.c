@@ -3,10 +3,9 @@
    air in it; what opens between liquid is a void, and so is a region that is too small. */
 #include "gas_impl.h"
 
-#define FILLED   0.5 /* cells that are filled by less are empty */
-#define SMALLEST 4   /* cells of a pocket, at least; gas in fewer dissolves */
-#define JUMP     0.3 /* of liquid that emitters bring: a volume that shrinks by more at once has it */
-#define REACH    3   /* cells around a region in which what is not filled is the region's */
+#define FILLED 0.5 /* cells that are filled by less are empty */
+#define JUMP   0.3 /* of liquid that emitters bring: a volume that shrinks by more at once has it */
+#define REACH  3   /* cells around a region in which what is not filled is the region's */
 
 /* A region while regions are found. */
 typedef struct {
@@ -199,8 +198,9 @@ static void Measure(Pockets *pockets, Domain domain)
 }
 
 /* How many cells of pocket b before, from 1 on, are now in region r, [b (count + 1) + r]; in [b (count + 1) + count]
-   those of all regions; b = 0: of the open air before. */
-static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt **common)
+   those of the air and of regions of at least 'least' cells: what sheds smaller ones keeps their gas. b = 0: of the
+   open air before. */
+static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt least, PetscInt **common)
 {
   const GasCells *now = &gas->now.cells, *before = &gas->before.cells;
   const PetscInt  width = regions->count + 1, nodes = before->near * before->per + before->all;
@@ -221,7 +221,7 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt *
     do {
       const PetscInt here = GasCellsNode(now, at[0], at[1], at[2]), region = here < 0 ? -1 : now->label[here];
 
-      if (region < 0) continue;
+      if (region < 0 || (regions->region[region].label != GAS_AIR && regions->region[region].cells < least)) continue;
       (*common)[b * width + region]++;
       (*common)[b * width + regions->count]++;
     } while (CellNext(first, last, at));
@@ -264,12 +264,12 @@ static PetscErrorCode Least(const Regions *regions, PetscInt *least)
   PetscInt *cells, n = 0;
 
   PetscFunctionBegin;
-  *least = SMALLEST;
+  *least = GAS_SMALLEST;
   PetscCall(PetscMalloc1(regions->count, &cells));
   for (PetscInt r = 0; r < regions->count; r++)
     if (regions->region[r].label != GAS_AIR) cells[n++] = regions->region[r].cells;
   PetscCall(PetscSortInt(n, cells));
-  if (n > GAS_MOST) *least = PetscMax(SMALLEST, cells[n - GAS_MOST - 1] + 1);
+  if (n > GAS_MOST) *least = PetscMax(GAS_SMALLEST, cells[n - GAS_MOST - 1] + 1);
   PetscCall(PetscFree(cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -283,11 +283,12 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
 
   PetscFunctionBegin;
   PetscCall(Least(regions, &least));
-  gas->crowded   = (PetscBool)(least > SMALLEST);
+  gas->crowded   = (PetscBool)(least > GAS_SMALLEST);
   gas->open      = PETSC_FALSE;
   gas->now.count = 0;
   gas->born = gas->merged = gas->split = 0;
-  if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
+  gas->enclosed = gas->vented = gas->lost = 0;
+  if (gas->before_known) PetscCall(Overlap(gas, regions, least, &common));
   for (PetscInt r = 0; r < regions->count; r++) {
     Region   *region  = &regions->region[r];
     Pocket    pocket  = {0};
@@ -304,10 +305,19 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
     gas->merged += PetscMax(0, sources - 1);
   }
   for (PetscInt b = 1; b <= gas->before.count && common; b++) {
-    PetscInt into = 0;
+    const PetscReal amount = gas->before.pocket[b].amount;
+    const PetscInt  all    = common[b * width + width - 1];
+    PetscInt        into = 0, vented = 0;
 
     if (PocketIsVoid(&gas->before.pocket[b])) continue;
-    for (PetscInt r = 0; r < regions->count; r++) into += regions->region[r].label > 0 && common[b * width + r] > 0;
+    for (PetscInt r = 0; r < regions->count; r++) {
+      into += regions->region[r].label > 0 && common[b * width + r] > 0;
+      vented += regions->region[r].label == GAS_AIR ? common[b * width + r] : 0;
+    }
+    if (all)
+      gas->vented += amount * vented / all;
+    else
+      gas->lost += amount;
     gas->split += PetscMax(0, into - 1);
     gas->ended += into == 0;
   }
@@ -378,12 +388,14 @@ PetscErrorCode GasFind(Gas *gas)
   for (PetscInt k = 1; k <= gas->now.count; k++) start[k] = gas->ambient;
   if (!gas->before_known) PetscCall(Start(gas, start));
   for (PetscInt k = 1; k <= gas->now.count; k++) {
-    Pocket *pocket = &gas->now.pocket[k];
+    Pocket         *pocket = &gas->now.pocket[k];
+    const PetscReal had    = pocket->amount;
 
     /* what was air has the air's pressure, at the start that of the option */
     pocket->amount +=
       air[k] * pocket->volume *
       (gas->frozen || gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
+    gas->enclosed += pocket->amount - had;
     pocket->tracked += air[k] * pocket->volume;
     if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought)
       pocket->tracked += pocket->volume - was[k]; /* no flux tells it */

@@ -185,6 +185,7 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscCall(Read(body, PetscOptionsObject, holed, &holes));
   PetscOptionsEnd();
   PetscCall(ReadHoles(body, &holes)); /* the mass of a free body needs them */
+  PetscCall(SolidCheckHoles(body));
   PetscCall(PetscSNPrintf(title, sizeof(title), "Motion and contact of solid %s", body->name)); /* PETSc helps once */
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));

@@ -1,6 +1,8 @@
 /* Refuses bodies that are outside the box, and bodies that overlap. */
 #include "scene_impl.h"
 
+#define FACING (-0.5) /* product of the normals of faces that face each other, at most */
+
 /* Searches for a point x (m) where the signed distances to two bodies, which may be the same, are both below 'bound'
    (m). Candidates are the cell centres of a lattice of the particle spacing from the lower corner of the box, within
    the bounds of both bodies. The distances exclude most of them. Returns whether there is a point. */
@@ -56,6 +58,64 @@ PetscErrorCode BodyCheckInside(Body body)
   PetscCheckUser(inside, domain->comm,
                  "the body %s is wholly outside the box: its shape must reach into -box_lower to -box_upper",
                  body->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the faces of holes a and b of a solid meet at x (m): they are closer than 'reach' (m) and face each other. */
+static PetscBool FacesMeet(Body solid, Body a, Body b, PetscReal reach, const PetscReal x[DIM])
+{
+  PetscReal along = 0, s[2] = {a->shape->distance(a, x), b->shape->distance(b, x)};
+
+  if (solid->shape->distance(solid, x) > -reach || PetscMax(PetscAbsReal(s[0]), PetscAbsReal(s[1])) > reach)
+    return PETSC_FALSE;
+  for (PetscInt k = 0; k < solid->holes; k++)
+    if (solid->hole[k]->shape->distance(solid->hole[k], x) < -reach) return PETSC_FALSE;
+  for (PetscInt d = 0; d < solid->domain->dim; d++) {
+    PetscReal to[DIM] = {x[0], x[1], x[2]};
+
+    to[d] += reach / 2;
+    along += (a->shape->distance(a, to) - s[0]) * (b->shape->distance(b, to) - s[1]) / PetscSqr(reach / 2);
+  }
+  return (PetscBool)(along < FACING);
+}
+
+/* Refuses holes a and b of a solid whose faces meet somewhere. */
+static PetscErrorCode CheckHoles(Body solid, Body a, Body b)
+{
+  const Domain    domain = solid->domain;
+  const PetscReal reach  = domain->spacing / 2;
+  PetscReal       lower[2][DIM], upper[2][DIM], low[DIM], step[DIM] = {0, 0, 0};
+  PetscInt        at[DIM], first[DIM] = {0, 0, 0}, last[DIM] = {0, 0, 0};
+
+  PetscFunctionBegin;
+  a->shape->bounds(a, lower[0], upper[0]);
+  b->shape->bounds(b, lower[1], upper[1]);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscReal high = PetscMin(PetscMin(upper[0][d], upper[1][d]), domain->upper[d]);
+
+    low[d] = PetscMax(PetscMax(lower[0][d], lower[1][d]), domain->lower[d]);
+    if (low[d] > high + reach) PetscFunctionReturn(PETSC_SUCCESS);
+    last[d] = (PetscInt)PetscMax(0, (high - low[d]) / domain->spacing);
+    step[d] = (high - low[d]) / (last[d] + 1);
+  }
+  at[0] = at[1] = at[2] = 0;
+  do {
+    PetscReal x[DIM] = {0, 0, 0};
+
+    for (PetscInt d = 0; d < domain->dim; d++) x[d] = low[d] + (at[d] + 0.5) * step[d];
+    PetscCheckUser(!FacesMeet(solid, a, b, reach, x), domain->comm,
+                   "the holes %s and %s of %s touch at %g,%g,%g m: a wall without thickness stays between them; they "
+                   "must overlap by a spacing, %g m, or leave a wall as thick",
+                   a->name, b->name, solid->name, (double)x[0], (double)x[1], (double)x[2], (double)domain->spacing);
+  } while (CellNext(first, last, at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode SolidCheckHoles(Body solid)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < solid->holes; a++)
+    for (PetscInt b = a + 1; b < solid->holes; b++) PetscCall(CheckHoles(solid, solid->hole[a], solid->hole[b]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -85,8 +85,10 @@ void BesselSeries(PetscReal q, PetscReal *order_0, PetscReal *order_1_over_x);
 void MoveAlong(const void *shape, ShapeFlow flow, PetscReal time, PetscInt steps, PetscReal x[DIM]);
 
 /* BodyCheckShape - refuses (UserError) a body without a shape, perhaps for a misspelt option, which would fill the box.
-   BodyCheckInside - refuses (UserError) a body wholly outside the box. SceneCheckOverlap - refuses (UserError) bodies
-   that overlap. Collective. */
+   BodyCheckInside - refuses (UserError) a body wholly outside the box. SolidCheckHoles - refuses (UserError) holes of a
+   solid that leave a wall without thickness between them. SceneCheckOverlap - refuses (UserError) bodies that overlap.
+   Collective. */
+PetscErrorCode SolidCheckHoles(Body solid);
 PetscErrorCode BodyCheckShape(Body body);
 PetscErrorCode BodyCheckInside(Body body);
 PetscErrorCode SceneCheckOverlap(Scene scene);

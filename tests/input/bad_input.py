@@ -248,6 +248,8 @@ def scenes():
     refused("unknown_preconditioner", GOOD + "-pc_type magic", ["magic", "-pc_type"])
     refused("missing_bodies", BOX, ["-bodies"])
     refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["overlap"])
+    refused("holes_that_touch", GOOD + "-solids s -s_lower 0,0,8 -s_upper 10,10,16 -s_holes a,b -a_lower 3,3,8"
+            " -a_upper 7,7,12 -b_lower 3,3,12 -b_upper 7,7,16", ["a and b of s touch at", "overlap by a spacing, 1 m"])
     refused("thin_periodic_box", GOOD + "-box_upper 2,10,20 -box_x periodic -film_upper 2,10,5", ["x"])
     refused("thin_symmetry_box", GOOD + "-box_upper 2,10,20 -box_x symmetry -film_upper 2,10,5", ["x"])
     refused("periodic_against_wall", GOOD + "-box_xmin periodic -box_xmax wall", ["periodic"])
