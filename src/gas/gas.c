@@ -161,10 +161,11 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionBegin;
   if (!gas->crowded || gas->said) PetscFunctionReturn(PETSC_SUCCESS);
   gas->said = PETSC_TRUE;
-  PetscCall(PetscSNPrintf(text, length,
-                          "there are more than %d pockets of gas: the smallest have lost their gas; a larger -spacing "
-                          "has fewer",
-                          GAS_MOST));
+  PetscCall(
+    PetscSNPrintf(text, length,
+                  "there are more than %d pockets of gas, the most that are computed: the others, the smallest, "
+                  "have no gas and collapse; a larger -spacing has fewer",
+                  GAS_MOST));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -197,10 +197,9 @@ static void Measure(Pockets *pockets, Domain domain)
       pockets->pocket[k].center[d] /= pockets->pocket[k].volume;
 }
 
-/* How many cells of pocket b before, from 1 on, are now in region r, [b (count + 1) + r]; in [b (count + 1) + count]
-   those of the air and of regions of at least 'least' cells: what sheds smaller ones keeps their gas. b = 0: of the
-   open air before. */
-static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt least, PetscInt **common)
+/* How many cells of pocket b before, from 1 on, are now in region r, [b (count + 1) + r]; b = 0: of the open air
+   before. */
+static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt **common)
 {
   const GasCells *now = &gas->now.cells, *before = &gas->before.cells;
   const PetscInt  width = regions->count + 1, nodes = before->near * before->per + before->all;
@@ -221,9 +220,7 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt l
     do {
       const PetscInt here = GasCellsNode(now, at[0], at[1], at[2]), region = here < 0 ? -1 : now->label[here];
 
-      if (region < 0 || (regions->region[region].label != GAS_AIR && regions->region[region].cells < least)) continue;
-      (*common)[b * width + region]++;
-      (*common)[b * width + regions->count]++;
+      if (region >= 0) (*common)[b * width + region]++;
     } while (CellNext(first, last, at));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -258,19 +255,34 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
   return sources;
 }
 
-/* *least: the cells of the smallest pocket, so many that there are at most GAS_MOST. */
-static PetscErrorCode Least(const Regions *regions, PetscInt *least)
+/* Labels regions that are large enough for a pocket with their numbers, of more than GAS_MOST the largest, and sums in
+   common[b width + count] the cells of pocket b that are in these and in the air: what sheds smaller regions keeps
+   their gas. */
+static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
 {
-  PetscInt *cells, n = 0;
+  const PetscInt width = regions->count + 1;
+  PetscInt      *sorted, n = 0, least = GAS_SMALLEST, spare;
 
   PetscFunctionBegin;
-  *least = GAS_SMALLEST;
-  PetscCall(PetscMalloc1(regions->count, &cells));
+  PetscCall(PetscMalloc1(regions->count, &sorted));
   for (PetscInt r = 0; r < regions->count; r++)
-    if (regions->region[r].label != GAS_AIR) cells[n++] = regions->region[r].cells;
-  PetscCall(PetscSortInt(n, cells));
-  if (n > GAS_MOST) *least = PetscMax(GAS_SMALLEST, cells[n - GAS_MOST - 1] + 1);
-  PetscCall(PetscFree(cells));
+    if (regions->region[r].label != GAS_AIR && regions->region[r].cells >= GAS_SMALLEST)
+      sorted[n++] = regions->region[r].cells;
+  PetscCall(PetscSortInt(n, sorted));
+  gas->crowded = (PetscBool)(n > GAS_MOST);
+  if (gas->crowded) least = sorted[n - GAS_MOST];
+  spare = GAS_MOST; /* of the regions of 'least' cells */
+  while (n > 0 && sorted[n - 1] > least) n--, spare--;
+  gas->now.count = 0;
+  for (PetscInt r = 0; r < regions->count; r++) {
+    Region *region = &regions->region[r];
+
+    if (region->label != GAS_AIR && (region->cells > least || (region->cells == least && spare-- > 0)))
+      region->label = ++gas->now.count;
+    for (PetscInt b = 0; b <= gas->before.count && common && region->label >= GAS_AIR; b++)
+      common[b * width + width - 1] += common[b * width + r];
+  }
+  PetscCall(PetscFree(sorted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -279,28 +291,25 @@ static PetscErrorCode Least(const Regions *regions, PetscInt *least)
 static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
 {
   const PetscInt width  = regions->count + 1;
-  PetscInt      *common = NULL, least;
+  PetscInt      *common = NULL;
 
   PetscFunctionBegin;
-  PetscCall(Least(regions, &least));
-  gas->crowded   = (PetscBool)(least > GAS_SMALLEST);
-  gas->open      = PETSC_FALSE;
-  gas->now.count = 0;
+  gas->open = PETSC_FALSE;
   gas->born = gas->merged = gas->split = 0;
   gas->enclosed = gas->vented = gas->lost = 0;
-  if (gas->before_known) PetscCall(Overlap(gas, regions, least, &common));
+  if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
+  PetscCall(Select(gas, regions, common));
   for (PetscInt r = 0; r < regions->count; r++) {
-    Region   *region  = &regions->region[r];
-    Pocket    pocket  = {0};
-    PetscReal was_air = 1;
-    PetscInt  sources = 0;
+    const PetscInt label   = regions->region[r].label;
+    Pocket         pocket  = {0};
+    PetscReal      was_air = 1;
+    PetscInt       sources = 0;
 
-    gas->open = (PetscBool)(gas->open || region->label == GAS_AIR);
-    if (region->label == GAS_AIR || region->cells < least) continue;
+    gas->open = (PetscBool)(gas->open || label == GAS_AIR);
+    if (label <= 0) continue;
     if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
-    region->label                   = ++gas->now.count;
-    gas->now.pocket[gas->now.count] = pocket;
-    air[gas->now.count]             = was_air;
+    gas->now.pocket[label] = pocket;
+    air[label]             = was_air;
     gas->born += gas->before_known && sources == 0 && was_air > 0;
     gas->merged += PetscMax(0, sources - 1);
   }

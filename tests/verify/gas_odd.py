@@ -6,6 +6,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
@@ -47,8 +48,11 @@ again = runs.run(compartments(10) + f"-checkpoint_interval 2e-3 -restart {many}/
 for column in ("volume", "pressure", "amount"):
     values = [pockets(folder)[column][-100:] for folder in (many, again)]
     runs.check((values[0] == values[1]).all(), f"restart_keeps_{column}_of_a_hundred", np.ptp(values, axis=0).max())
-crowd = runs.run(compartments(17) + "-time_end 1e-3", "crowd")
-runs.check("more than 256 pockets" in log(crowd), "says_that_there_are_too_many", log(crowd)[-800:])
+for side in 17, 32:
+    crowd = runs.run(compartments(side) + "-time_end 2e-3", f"crowd_{side}")
+    runs.check("more than 256 pockets" in log(crowd), f"says_that_{side * side}_pockets_are_too_many", log(crowd)[-800:])
+    full = pockets(crowd)["amount"] > 0
+    runs.check(full.sum() == 2 * 256, f"256_of_{side * side}_have_gas", full.sum())
 
 # a layer of liquid on the springs of two gases
 LAYER = ALL + """-spacing 0.02 -box_lower 0,0 -box_upper 0.4,1.4 -box_x wall -box_y wall -water_lower 0,0.6
@@ -123,6 +127,13 @@ for _ in range(20000):
 runs.check_within(np.ptp(gas["pressure"]) / np.ptp(exact), 0.85, 1.15, "breathing_film_amplitude")
 runs.check_within(gas["pressure"].mean() / np.mean(exact), 0.9, 1.1, "breathing_film_pressure")
 
+# where a particle is missing in liquid under a gas of 1e5 Pa, the pressure is that of the liquid around
+GAP = ALL + """-spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -water_lower 0,0 -water_upper 1,0.4
+ -water_holes gap -gap_shape sphere -gap_center 0.5,0.21 -gap_radius 0.013 -gas_pressure_start 201325
+ -packing_jitter 0 -gauge_points 0.5,0.23 -time_step 1e-4 -time_end 1e-3 """
+beside = runs.series(runs.run(GAP, "gap"))["point_1_pressure_Pa"][-1]
+runs.check_within(beside / 1e5, 0.8, 1.05, "pressure_beside_a_gap")
+
 # a full tank whose paddle leaves voids, and gaps smaller than a void: with no level of the pressure it stops early
 TANK = f"""-options_file {runs.ROOT}/cases/stirred_tank/case.opts -packing_seed 7
  -series_interval 5e-3 -snapshot_interval 1 -time_end 0.18 """
@@ -144,5 +155,10 @@ for seed in 1, 3:
     energy += [spring[gas["time"][full] == time].sum() for time in series["time"]]
     runs.check_below((energy - np.minimum.accumulate(energy)).max() / energy[0], 0.0075,
                      f"breaking_wave_gains_no_energy_{seed}")
+    with h5py.File(runs.numbered(folder, "checkpoint")[-1]) as state:
+        enclosed, vented, lost = (state.attrs[f"gas_{name}"] for name in ("enclosed", "vented", "lost"))
+        left = state["gas_pocket_table"][:, 0].sum() if state.attrs["gas_pockets"] else 0
+    runs.check_below(abs(enclosed - vented - lost - left) / enclosed, 1e-12, f"breaking_wave_keeps_account_{seed}")
+    runs.check_below(lost / enclosed, 0.05, f"breaking_wave_loses_little_gas_{seed}")
     runs.check(full.any() and gas["amount"][full].max() > 0.01, f"breaking_wave_encloses_gas_{seed}", gas["amount"])
 runs.done()
