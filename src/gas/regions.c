@@ -49,16 +49,26 @@ static PetscInt Beyond(const GasCells *cells, Domain domain, PetscInt d, const P
   return GasCellsNode(cells, place[0], place[1], place[2]);
 }
 
+/* The cells first .. last of a node. Returns whether it is a cell of the grid or an empty block: the last block along a
+   direction may reach beyond the grid. */
+static PetscBool NodeRange(const GasCells *cells, PetscInt node, PetscInt first[DIM], PetscInt last[DIM])
+{
+  const PetscBool cell = (PetscBool)(node < cells->near * cells->per);
+
+  GasCellsPlace(cells, node, first);
+  for (PetscInt d = 0; d < DIM; d++)
+    last[d] = cell ? first[d] : PetscMin(cells->n[d], first[d] + (1 << cells->shift[d])) - 1;
+  return (PetscBool)(cell ? first[0] < cells->n[0] && first[1] < cells->n[1] && first[2] < cells->n[2]
+                          : cells->block[node - cells->near * cells->per] == BLOCK_EMPTY);
+}
+
 /* Visits the nodes beside a node; *open becomes true if it is at an open face. */
 static void ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open, NodeVisitor visit,
                           void *context)
 {
-  const PetscBool block = (PetscBool)(node >= cells->near * cells->per);
-  PetscInt        lower[DIM], upper[DIM];
+  PetscInt lower[DIM], upper[DIM];
 
-  GasCellsPlace(cells, node, lower);
-  for (PetscInt d = 0; d < DIM; d++)
-    upper[d] = block ? PetscMin(cells->n[d], lower[d] + (1 << cells->shift[d])) - 1 : lower[d];
+  NodeRange(cells, node, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
       PetscInt first[DIM], last[DIM], at[DIM];
@@ -82,39 +92,18 @@ static void Join(PetscInt node, void *context)
   walk->queue[walk->tail++] = node;
 }
 
-static PetscInt NodeCells(const GasCells *cells, PetscInt node)
-{
-  PetscInt at[DIM], n = 1;
-
-  if (node < cells->near * cells->per) return 1;
-  GasCellsPlace(cells, node, at);
-  for (PetscInt d = 0; d < DIM; d++) n *= PetscMin(cells->n[d] - at[d], 1 << cells->shift[d]);
-  return n;
-}
-
-/* Whether a node is a cell of the grid or an empty block: the last block along a direction may reach beyond it. */
-static PetscBool Exists(const GasCells *cells, PetscInt node)
-{
-  PetscInt at[DIM];
-
-  if (node >= cells->near * cells->per)
-    return (PetscBool)(cells->block[node - cells->near * cells->per] == BLOCK_EMPTY);
-  GasCellsPlace(cells, node, at);
-  return (PetscBool)(at[0] < cells->n[0] && at[1] < cells->n[1] && at[2] < cells->n[2]);
-}
-
 /* Labels the nodes with the numbers of their regions, and says which regions are open air. queue: [nodes], and on
    return all labelled nodes, *labelled of them. */
 static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions, PetscInt queue[], PetscInt *labelled)
 {
   const PetscInt nodes = cells->near * cells->per + cells->all;
   Walk           walk  = {.cells = cells, .domain = domain, .queue = queue};
-  PetscInt       head  = 0;
+  PetscInt       head  = 0, first[DIM], last[DIM];
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < nodes; c++) cells->label[c] = GAS_LIQUID;
   for (PetscInt seed = 0; seed < nodes; seed++) {
-    if (cells->label[seed] != GAS_LIQUID || !IsEmpty(cells, seed) || !Exists(cells, seed)) continue;
+    if (cells->label[seed] != GAS_LIQUID || !IsEmpty(cells, seed) || !NodeRange(cells, seed, first, last)) continue;
     if (regions->count == regions->capacity) {
       regions->capacity = 2 * regions->capacity + 64;
       PetscCall(PetscRealloc((size_t)regions->capacity * sizeof(Region), &regions->region));
@@ -124,7 +113,9 @@ static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions, 
     regions->region[regions->count].cells = 0;
     Join(seed, &walk);
     for (; head < walk.tail; head++) {
-      regions->region[regions->count].cells += NodeCells(cells, queue[head]);
+      NodeRange(cells, queue[head], first, last);
+      regions->region[regions->count].cells +=
+        (last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1);
       ForNeighbours(cells, domain, queue[head], &walk.open, Join, &walk);
     }
     regions->region[regions->count++].label = walk.open ? GAS_AIR : GAS_VOID;
@@ -178,12 +169,8 @@ static void Measure(Pockets *pockets, Domain domain)
     const PetscInt owner = node < count ? cells->owner[node] : cells->label[node];
     PetscInt       at[DIM], first[DIM], last[DIM];
 
-    if (owner <= 0 || !Exists(cells, node)) continue;
-    GasCellsPlace(cells, node, first);
-    for (PetscInt d = 0; d < DIM; d++) {
-      at[d]   = first[d];
-      last[d] = node < count ? first[d] : PetscMin(cells->n[d], first[d] + (1 << cells->shift[d])) - 1;
-    }
+    if (owner <= 0 || !NodeRange(cells, node, first, last)) continue;
+    for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
     do {
       const PetscReal V = (node < count ? 1 - cells->filled[node] : 1) * GasCellsVolume(cells, domain, at[0]);
 
@@ -210,13 +197,8 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt *
     const PetscInt b = before->label[node];
     PetscInt       at[DIM], first[DIM], last[DIM];
 
-    if (b < 0 || !Exists(before, node)) continue;
-    GasCellsPlace(before, node, first);
-    for (PetscInt d = 0; d < DIM; d++) {
-      at[d] = first[d];
-      last[d] =
-        node < before->near * before->per ? first[d] : PetscMin(before->n[d], first[d] + (1 << before->shift[d])) - 1;
-    }
+    if (b < 0 || !NodeRange(before, node, first, last)) continue;
+    for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
     do {
       const PetscInt here = GasCellsNode(now, at[0], at[1], at[2]), region = here < 0 ? -1 : now->label[here];
 
@@ -343,11 +325,10 @@ static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
   PetscFunctionBegin;
   for (PetscInt k = 1; k <= gas->now.count; k++) pressure[k] = 0;
   for (PetscInt node = 0; node < cells->near * cells->per + cells->all; node++) {
-    PetscInt  at[DIM];
+    PetscInt  at[DIM], last[DIM];
     PetscReal x[DIM] = {0, 0, 0}, own;
 
-    if (cells->label[node] <= 0 || !Exists(cells, node)) continue;
-    GasCellsPlace(cells, node, at);
+    if (cells->label[node] <= 0 || !NodeRange(cells, node, at, last)) continue;
     for (PetscInt d = 0; d < domain->dim; d++) x[d] = cells->lower[d] + (at[d] + 0.5) * cells->size[d];
     own = SceneHolePressure(gas->cloud->scene, x);
     PetscCheckUser(own == 0 || pressure[cells->label[node]] == 0 || own == pressure[cells->label[node]],
