@@ -14,8 +14,8 @@ typedef struct {
 } Region;
 
 typedef struct {
-  Region  *region;
-  PetscInt count, capacity;
+  Region  *region; /* [nodes] */
+  PetscInt count;
 } Regions;
 
 typedef void (*NodeVisitor)(PetscInt node, void *context);
@@ -23,7 +23,6 @@ typedef void (*NodeVisitor)(PetscInt node, void *context);
 /* What a walk over the cells needs. */
 typedef struct {
   GasCells *cells;
-  Domain    domain;
   PetscInt *queue, tail, region;
   PetscBool open; /* the region reaches an open face */
 } Walk;
@@ -93,21 +92,16 @@ static void Join(PetscInt node, void *context)
 }
 
 /* Labels the nodes with the numbers of their regions, and says which regions are open air. queue: [nodes], and on
-   return all labelled nodes, *labelled of them. */
-static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions, PetscInt queue[], PetscInt *labelled)
+   return all labelled nodes; returns how many. */
+static PetscInt Connect(GasCells *cells, Domain domain, Regions *regions, PetscInt queue[])
 {
   const PetscInt nodes = cells->near * cells->per + cells->all;
-  Walk           walk  = {.cells = cells, .domain = domain, .queue = queue};
+  Walk           walk  = {.cells = cells, .queue = queue};
   PetscInt       head  = 0, first[DIM], last[DIM];
 
-  PetscFunctionBegin;
   for (PetscInt c = 0; c < nodes; c++) cells->label[c] = GAS_LIQUID;
   for (PetscInt seed = 0; seed < nodes; seed++) {
     if (cells->label[seed] != GAS_LIQUID || !IsEmpty(cells, seed) || !NodeRange(cells, seed, first, last)) continue;
-    if (regions->count == regions->capacity) {
-      regions->capacity = 2 * regions->capacity + 64;
-      PetscCall(PetscRealloc((size_t)regions->capacity * sizeof(Region), &regions->region));
-    }
     walk.region                           = regions->count;
     walk.open                             = PETSC_FALSE;
     regions->region[regions->count].cells = 0;
@@ -120,8 +114,7 @@ static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions, 
     }
     regions->region[regions->count++].label = walk.open ? GAS_AIR : GAS_VOID;
   }
-  *labelled = walk.tail;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return walk.tail;
 }
 
 static void Own(PetscInt node, void *context)
@@ -137,7 +130,7 @@ static void Own(PetscInt node, void *context)
 static void Spread(GasCells *cells, Domain domain, PetscInt queue[], PetscInt labelled)
 {
   const PetscInt count = cells->near * cells->per;
-  Walk           walk  = {.cells = cells, .domain = domain, .queue = queue, .tail = labelled};
+  Walk           walk  = {.cells = cells, .queue = queue, .tail = labelled};
 
   for (PetscInt c = 0; c < count; c++) cells->owner[c] = cells->label[c];
   for (PetscInt layer = 0, from = 0; layer < REACH; layer++) {
@@ -358,16 +351,16 @@ PetscErrorCode GasFind(Gas *gas)
 {
   GasCells *cells   = &gas->now.cells;
   Domain    domain  = gas->cloud->domain;
-  Regions   regions = {NULL, 0, 0};
+  Regions   regions = {NULL, 0};
   PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1] = {0}, brought = 0;
-  PetscInt *queue, labelled = 0, nodes;
+  PetscInt *queue, labelled, nodes;
 
   PetscFunctionBegin;
   gas->ended = 0;
   PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move));
   nodes = cells->near * cells->per + cells->all;
-  PetscCall(PetscMalloc1(nodes, &queue));
-  PetscCall(Connect(cells, domain, &regions, queue, &labelled));
+  PetscCall(PetscMalloc2(nodes, &queue, nodes, &regions.region));
+  labelled = Connect(cells, domain, &regions, queue);
   PetscCall(Choose(gas, &regions, air));
   for (PetscInt c = 0; c < nodes; c++)
     if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
@@ -391,8 +384,7 @@ PetscErrorCode GasFind(Gas *gas)
       pocket->tracked += pocket->volume - was[k]; /* no flux tells it */
   }
   gas->found = PETSC_TRUE;
-  PetscCall(PetscFree(queue));
-  PetscCall(PetscFree(regions.region));
+  PetscCall(PetscFree2(queue, regions.region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
