@@ -378,7 +378,7 @@ typedef struct {
 } Columns;
 
 /* The weighted mean of column 6 over the neighbours of a fit. */
-static PetscReal WeightedMean(Columns from, const float *restrict weight, const int32_t *restrict place,
+static PetscReal WeightedMean(Columns          from, const float *restrict weight, const int32_t *restrict place,
                               const NormalFit *fit)
 {
   const PetscReal *restrict value = from.first + 2 * DIM * from.stride;
@@ -435,9 +435,9 @@ static PetscBool TensionsDiffer(Scene scene)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
    zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
-   ([n_owned]): SheetShare. */
+   ([n_owned]): SheetShare; plane ([n_owned][6]): SheetPlane. */
 static PetscErrorCode FindNormals(Tension tension, Cloud cloud, const Phase *phase, PetscInt level, PetscReal normal[],
-                                  PetscReal depth[], PetscReal slope[], PetscReal share[])
+                                  PetscReal depth[], PetscReal slope[], PetscReal share[], PetscReal plane[])
 {
   const Curvature *data = tension->data;
   const PetscReal  V = cloud->domain->volume, H = KernelSmoothingLength(tension->kernel);
@@ -458,6 +458,7 @@ static PetscErrorCode FindNormals(Tension tension, Cloud cloud, const Phase *pha
       slope[a] = Sigma(cloud, phase, a) * SheetSlope(tension, &at, V * phi) * share[a];
     }
     if (slope && tension->rings && !LooseHas(tension, a)) SheetHoop(tension, cloud, a, slope[a], V * phi);
+    if (slope && slope[a] != 0) SheetPlane(tension, &at, around.real, &slope[a], &share[a], plane + 6 * a);
     if (V * length * H * at.size < THRESHOLD) continue;
     for (PetscInt d = 0; d < DIM; d++) normal[DIM * a + d] = -g[d] / length;
     depth[a] = at.size * FlatDepth(tension, V * phi);
@@ -612,7 +613,7 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const P
                                            PetscReal depth[], PetscReal share[])
 {
   const Curvature *data  = tension->data;
-  PetscReal       *slope = NULL;
+  PetscReal       *slope = NULL, *plane = NULL;
 
   PetscFunctionBegin;
   PetscCall(SortNearSurface(tension, cloud, phase));
@@ -621,12 +622,14 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const P
   PetscCall(PetscArrayzero(share, cloud->n_owned));
   if (data->sheets) {
     PetscCall(CloudGetWork(cloud, 1, &slope));
+    PetscCall(CloudGetWork(cloud, 6, &plane));
     PetscCall(PetscArrayzero(slope, cloud->n_owned));
   }
   for (PetscInt l = 0; l < tension->levels; l++)
-    PetscCall(FindNormals(tension, cloud, phase, l, normal, depth, slope, share));
+    PetscCall(FindNormals(tension, cloud, phase, l, normal, depth, slope, share, plane));
   if (data->sheets) {
-    PetscCall(SheetPull(tension, cloud, phase, slope, share));
+    PetscCall(SheetPull(tension, cloud, phase, slope, plane));
+    PetscCall(CloudRestoreWork(cloud, &plane));
     PetscCall(CloudRestoreWork(cloud, &slope));
   }
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, normal));

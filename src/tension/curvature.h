@@ -116,10 +116,14 @@ PetscReal SheetSlope(Tension tension, const At *at, PetscReal phi);
 /* SheetHoop - adds the pull of ring a's sheet towards the axis, a hoop, to FIELD_ACCELERATION. slope (Pa m2): sigma
    times SheetSlope times SheetShare. Not collective. */
 void SheetHoop(Tension tension, Cloud cloud, PetscInt a, PetscReal slope, PetscReal phi);
-/* SheetPull - adds the forces between particles of thin sheets and all others to FIELD_ACCELERATION. The liquid must be
-   sorted. slope ([n_total], Pa m2; values of ghosts are overwritten): sigma times SheetSlope times share; share
-   ([n_owned]): SheetShare. Both become zero in threads. Collective. */
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal share[]);
+/* SheetPlane - finds the plane of the sheet around a thin particle from the first n collected particles, as the matrix
+   that projects onto it. slope (Pa m2), share: its sigma times SheetSlope times SheetShare, and that share; both become
+   zero in threads. Not collective. */
+void SheetPlane(Tension tension, const At *at, PetscInt n, PetscReal *slope, PetscReal *share, PetscReal plane[6]);
+/* SheetPull - adds the forces between particles of thin sheets and all others to FIELD_ACCELERATION. slope ([n_total]),
+   plane ([n_total][6]): of SheetPlane, zero slopes of other particles; values of ghosts are overwritten. Sorts the
+   liquid anew. Collective. */
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal plane[]);
 
 /* LooseFind - sets 'loose' from the rings' positions and neighbours. Collective. LooseHas - whether ring a is
    loose; false for other particles. Not collective. */

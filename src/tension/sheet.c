@@ -143,7 +143,7 @@ static PetscReal Flatness(PetscInt dim, const PetscReal M[6])
 
 /* P = I - M^-1/tr M^-1 projects onto the plane of a sheet with the second moments M; for equal moments it is I less its
    mean. */
-static void SheetPlane(PetscInt dim, const PetscReal M[6], PetscReal P[6])
+static void Project(PetscInt dim, const PetscReal M[6], PetscReal P[6])
 {
   const PetscReal small = MOMENT_LEAST * (M[0] + M[1] + M[2]);
   PetscReal       regular[6], inverse[6], trace = 0;
@@ -171,7 +171,7 @@ static void PullPair(Cloud cloud, PetscInt b, PetscInt a, const PetscReal pull[D
 }
 
 /* Adds the pull of a thin particle on all n collected candidates, and their reactions. slope: sigma S'; P:
-   see SheetPlane. Column 3 has the local indices. */
+   see Project. Column 3 has the local indices. */
 static void Pull(Tension tension, Cloud cloud, const At *at, PetscInt n, PetscReal slope, const PetscReal P[6])
 {
   const Curvature   *data   = tension->data;
@@ -208,35 +208,18 @@ static void Pull(Tension tension, Cloud cloud, const At *at, PetscInt n, PetscRe
     for (PetscInt e = 0; e < DIM; e++) out[DIM * b + e] += sum[e] / cloud->rest_density[b];
 }
 
-/* Finds the planes ([n_owned][6]) of the owned thin particles of a level; slope and share become zero in threads. */
-static PetscErrorCode FindPlanes(Tension tension, Cloud cloud, PetscInt level, PetscReal slope[], PetscReal share[],
-                                 PetscReal plane[])
+void SheetPlane(Tension tension, const At *at, PetscInt n, PetscReal *slope, PetscReal *share, PetscReal plane[6])
 {
-  SortedCells   *liquid  = &tension->liquid[level];
-  const PetscInt columns = COLUMNS(0, DIM) | (tension->weighted ? COLUMNS(WEIGHT_COLUMN, 1) : 0);
-  PetscInt       cell = -1, n = 0;
+  PetscReal M[6], flatness;
 
-  PetscFunctionBegin;
-  for (PetscInt p = 0; p < liquid->count; p++) {
-    const At       at = TensionAt(tension, cloud, level, p);
-    const PetscInt a  = at.a;
-    PetscReal      M[6], flatness;
-
-    if (!TensionOwns(tension, cloud, level, p) || slope[a] == 0) continue;
-    if (SortedCell(liquid, p) != cell) {
-      cell = SortedCell(liquid, p);
-      PetscCall(SortedCellsCollect(liquid, cell, columns, 1, &n));
-    }
-    SecondMoments(tension, &at, n, M);
-    flatness = Flatness(tension->dim, M);
-    slope[a] *= flatness;
-    share[a] *= flatness;
-    SheetPlane(tension->dim, M, plane + 6 * a);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  SecondMoments(tension, at, n, M);
+  flatness = Flatness(tension->dim, M);
+  *slope *= flatness;
+  *share *= flatness;
+  Project(tension->dim, M, plane);
 }
 
-/* Sorts the liquid around the thin particles of a level, ghosts too. *count: their number. */
+/* Sorts the liquid around the thin particles of a level, ghosts too, if there are any. *count: their number. */
 static PetscErrorCode SortThin(Tension tension, Cloud cloud, const Phase *phase, PetscInt level,
                                const PetscReal slope[], PetscInt *count)
 {
@@ -248,8 +231,10 @@ static PetscErrorCode SortThin(Tension tension, Cloud cloud, const Phase *phase,
   *count = 0;
   for (PetscInt a = 0; a < cloud->n_total; a++)
     if (cloud->integer[INT_LAYER][a] == 0 && slope[a] != 0 && CloudLevel(cloud, a) == level) thin[(*count)++] = a;
-  PetscCall(LiquidAround(cloud, tension->largest[level] * KernelSupport(tension->kernel), *count, thin, keep));
-  PetscCall(LiquidSort(tension, cloud, phase, level, keep));
+  if (*count > 0) {
+    PetscCall(LiquidAround(cloud, tension->largest[level] * KernelSupport(tension->kernel), *count, thin, keep));
+    PetscCall(LiquidSort(tension, cloud, phase, level, keep));
+  }
   PetscCall(PetscFree2(thin, keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -279,16 +264,11 @@ static PetscErrorCode PullAll(Tension tension, Cloud cloud, const Phase *phase, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal share[])
+PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, PetscReal slope[], PetscReal plane[])
 {
-  PetscReal *plane;
-
   PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 6, &plane));
-  for (PetscInt l = 0; l < tension->levels; l++) PetscCall(FindPlanes(tension, cloud, l, slope, share, plane));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, slope));
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, plane));
   for (PetscInt l = 0; l < tension->levels; l++) PetscCall(PullAll(tension, cloud, phase, l, slope, plane));
-  PetscCall(CloudRestoreWork(cloud, &plane));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
