@@ -39,10 +39,10 @@ PetscErrorCode SortedCellsReset(SortedCells *cells);
 
 /* SortedCellsCollect - copies the columns whose bits are set (COLUMNS) of the *n particles within the support of cell c
    to 'near', which has room for 'copies' times as many. SortedCellsPlaces - replaces n ascending indices of particles
-   that it has copied last by their places in the sorted order. SortedCellsCollectSingle - copies the first 'columns' columns
-   of the particles within the support of the box from 'lower' to 'upper' (m), a part of cell c, in single precision to
-   'single', with positions relative to 'lower'. *m: the number, including far-away entries that fill the last vector
-   (KERNEL_LANES). Not collective. */
+   that it has copied last by their places in the sorted order. SortedCellsCollectSingle - copies the first 'columns'
+   columns of the particles within the support of the box from 'lower' to 'upper' (m), a part of cell c, in single
+   precision to 'single', with positions relative to 'lower'. *m: the number, including far-away entries that fill the
+   last vector (KERNEL_LANES). Not collective. */
 #define COLUMNS(first, count) (((1 << (count)) - 1) << (first))
 PetscErrorCode SortedCellsCollect(SortedCells *cells, PetscInt c, PetscInt columns, PetscInt copies, PetscInt *n);
 void           SortedCellsPlaces(const SortedCells *cells, PetscInt n, int32_t index[]);

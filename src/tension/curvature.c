@@ -371,18 +371,18 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
   return PetscMax(-limit, PetscMin(limit, kappa));
 }
 
-/* The columns in which the places of a fit's neighbours are. */
-typedef struct {
-  const PetscReal *first;
-  PetscInt         stride;
-} Columns;
+/* Column 6 holds the depth, then sigma kappa; DEPTH_COLUMN the depth for images that are moved (contact.c). */
+#define VALUE_COLUMN        (2 * DIM)
+#define COLUMNS_TOTAL(data) ((data)->contact.tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
 
 /* The weighted mean of column 6 over the neighbours of a fit. */
-static PetscReal WeightedMean(Columns          from, const float *restrict weight, const int32_t *restrict place,
+static PetscReal WeightedMean(const At        *at, const float *restrict weight, const int32_t *restrict place,
                               const NormalFit *fit)
 {
-  const PetscReal *restrict value = from.first + 2 * DIM * from.stride;
-  PetscReal f                     = 0;
+  const SortedCells *liquid = at->liquid;
+  const PetscReal *restrict value =
+    fit->sorted ? liquid->sorted + VALUE_COLUMN * liquid->count : liquid->near + VALUE_COLUMN * liquid->stride;
+  PetscReal f = 0;
 
   SIMD_LOOP(reduction(+ : f))
   for (PetscInt k = 0; k < fit->count; k++) f += weight[k] * value[place[k]];
@@ -390,12 +390,12 @@ static PetscReal WeightedMean(Columns          from, const float *restrict weigh
 }
 
 /* The slope of column 6 along the surface with the normal n at the particle, where its mean is 'mean'. */
-static void WeightedSlope(const At *at, Columns from, const float *restrict weight, const int32_t *restrict place,
+static void WeightedSlope(const At       *at, const float *restrict weight, const int32_t *restrict place,
                           const PetscReal n[DIM], const NormalFit *fit, PetscReal mean, PetscReal slope[DIM])
 {
-  const PetscInt stride        = from.stride;
-  const PetscReal *restrict cx = from.first, *restrict cy = cx + stride, *restrict cz = cy + stride,
-                            *restrict value = cx + 2 * DIM * stride;
+  const PetscInt stride        = fit->sorted ? at->liquid->count : at->liquid->stride;
+  const PetscReal *restrict cx = fit->sorted ? at->liquid->sorted : at->liquid->near, *restrict cy = cx + stride,
+                            *restrict cz = cy + stride, *restrict value = cx + 2 * DIM * stride;
   const PetscReal x0 = at->x[0], y0 = at->x[1], z0 = at->x[2];
   PetscReal       along, fx = 0, fy = 0, fz = 0, f;
 
@@ -428,10 +428,6 @@ static PetscBool TensionsDiffer(Scene scene)
     if (BodyMaterial(SceneBody(scene, b))->tension != BodyMaterial(SceneBody(scene, 0))->tension) return PETSC_TRUE;
   return PETSC_FALSE;
 }
-
-/* Column 6 holds the depth, then sigma kappa; DEPTH_COLUMN the depth for images that are moved (contact.c). */
-#define VALUE_COLUMN        (2 * DIM)
-#define COLUMNS_TOTAL(data) ((data)->contact.tilted ? DEPTH_COLUMN + 1 : VALUE_COLUMN + 1)
 
 /* Finds normal ([n_owned][3]) and depth ([n_owned], m) of the owned particles of a level near the surface; both are
    zero elsewhere. slope: NULL, or sigma times SheetSlope times share of the owned particles near the surface; share
@@ -532,17 +528,13 @@ static PetscErrorCode TakeMeanOfLevel(Tension tension, Cloud cloud, PetscInt lev
     const NormalFit *fit    = &data->fit[level][p];
     const float     *weight = data->weight + *used;
     const int32_t   *place  = data->place + *used;
-    Columns          from   = {at.liquid->sorted, at.liquid->count};
 
     if (!TensionOwns(tension, cloud, level, p)) continue;
-    if (!fit->sorted) {
-      PetscCall(ImagesCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
-      from = (Columns){at.liquid->near, at.liquid->stride};
-    }
-    mean[a] = WeightedMean(from, weight, place, fit);
+    if (!fit->sorted) PetscCall(ImagesCollect(tension, cloud->domain, &at, columns, COLUMNS_TOTAL(data), &around));
+    mean[a] = WeightedMean(&at, weight, place, fit);
     if (slope) {
       if (!fit->sorted) ImagesTilt(tension, &at, &around, normal + DIM * a, 1);
-      WeightedSlope(&at, from, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
+      WeightedSlope(&at, weight, place, normal + DIM * a, fit, mean[a], slope + DIM * a);
     }
     *used += fit->count;
   }
