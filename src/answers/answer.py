@@ -9,14 +9,16 @@ be carried back (reduce.py) and if the whole scene at a coarse spacing gives the
 series.csv, TAKE one of max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). Where
 only ends are asked, runs end at rest (-stop_at_rest). It begins at coarse spacings, goes finer, and stops when the
 error of every quantity is at most ACCURACY per cent of it, or when the next spacing would cost more than what is left
-of BUDGET (seconds of one core, all runs together). Runs end when no quantity can change any more: of a maximum, when
+of BUDGET (seconds of one core, all runs together). Where three spacings do not do it, the same three with a spacing
+that follows the liquid tell which way gives more accuracy in the time that is left (grading.py). Runs end when no quantity can change any more: of a maximum, when
 two coarser spacings have shown that it has passed. A single run is divided among the cores that are free. Prints value,
 error by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with
-pictures. A run that is there already, by the same command, is not run again.
+pictures, answer.csv the values, answer.json the choice of the spacing. A run that is there already, by the same command, is not run again.
 """
 import argparse
 import csv
 import html
+import json
 import math
 import os
 import sys
@@ -24,13 +26,14 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
 import columns  # noqa: E402
+import grading  # noqa: E402
 import ladder  # noqa: E402
 import launch  # noqa: E402
 import quantity  # noqa: E402
 import reduce  # noqa: E402
 import tables  # noqa: E402
 
-RATIO = math.sqrt(2)  # of two spacings that follow each other
+RATIO = ladder.RATIO
 COARSEST, START = 4, 2  # the first spacing is the scene's times RATIO to a power from -START to COARSEST, where
 ACROSS = 12  # spacings or some more are across the smallest body: coarser ones only widen the bar
 FINEST = 6  # the last is the scene's over RATIO**FINEST
@@ -61,9 +64,11 @@ def coarseness(known, across):
 class Answer:
     """The runs of a scene. rungs: [(spacing, [Run, ...])], those that ended well."""
 
-    def __init__(self, scene, quantities, arguments, options=()):
-        """options: further ones, [word, ...], that all runs have."""
+    def __init__(self, scene, quantities, arguments, options=(), way=grading.UNIFORM):
+        """options: further ones, [word, ...], that all runs have; way: of the spacing (grading.py)."""
         self.scene, self.quantities, self.arguments, self.more = scene, quantities, arguments, list(options)
+        self.way, self.choice = way, None
+        self.step, self.tried = None, 0  # the next of the ladder; packings of the last, those that failed among them
         self.folder = arguments.output
         os.makedirs(self.folder, exist_ok=True)
         known = launch.known(scene, *self.more)
@@ -79,8 +84,10 @@ class Answer:
     def run(self, spacing, seeds):
         """The runs at a spacing that ended well."""
         more = self.more + (["-time_end", f"{self.until:.6g}"] if self.shorter() else [])
+        more += grading.options(self.way, spacing)
+        name = "run" if self.way == grading.UNIFORM else self.way
         together = [launch.Run(self.scene, more + ["-spacing", f"{spacing:.6g}", "-packing_seed", str(seed)],
-                               os.path.join(self.folder, f"run_{spacing:.6g}_{seed}"), self.patience(spacing))
+                               os.path.join(self.folder, f"{name}_{spacing:.6g}_{seed}"), self.patience(spacing))
                     for seed in seeds]
         launch.together(together, self.arguments.jobs, self.ranks(spacing, len(together)))
         good = [run for run in together if run.series]
@@ -114,14 +121,21 @@ class Answer:
         """What one run at a spacing will cost, s; nan: unknown."""
         if not self.rungs:
             return self.price[1] * (self.price[0] / spacing)**GROWTH if self.price else math.nan
-        growth = GROWTH
+        spacing_now, runs = self.rungs[-1]
+        return ladder.mean([run.cpu for run in runs]) * (spacing_now / spacing)**self.growth()
+
+    def growth(self):
+        """A finer run costs the ratio of the spacings to this power."""
         if len(self.rungs) > 1:
             (coarse, before), (fine, last) = ([(s, ladder.mean([run.cpu for run in runs]))
                                                for s, runs in self.rungs[-2:]])
             if before > 0.2:
-                growth = min(max(math.log(last / before) / math.log(coarse / fine), 2.5), 6)
-        spacing_now, runs = self.rungs[-1]
-        return ladder.mean([run.cpu for run in runs]) * (spacing_now / spacing)**growth
+                return min(max(math.log(last / before) / math.log(coarse / fine), 2.5), 6)
+        return GROWTH
+
+    def left(self):
+        """Seconds of the budget."""
+        return self.arguments.budget - self.spent
 
     def verdicts(self):
         return [ladder.Verdict([(spacing, [q.of(run.series) for run in runs]) for spacing, runs in self.rungs])
@@ -159,45 +173,74 @@ class Answer:
             step -= 1
         return step
 
-    def climb(self):
-        """Runs the ladder; returns the verdicts and the sentence that says why it ended."""
-        budget, verdicts, step = self.arguments.budget, None, self.first()
-        while step <= FINEST:
-            spacing = self.spacing * RATIO**-step
-            cost = self.guess(spacing)
-            if self.rungs and self.spent + cost > budget:
-                return verdicts, f"the next spacing, {spacing:.3g} m, would cost some {cost:.0f} s"
-            count = self.needed(verdicts, cost)
-            good = self.run(spacing, range(self.seed, self.seed + count))
-            step += 1
-            if not good:
-                if self.rungs:
-                    return verdicts, f"at {spacing:.3g} m no run ended: {self.notes[-1]}"
-                continue  # too coarse for the scene
-            self.rungs.append((spacing, good))
+    def settle(self):
+        """More packings at the finest spacing while chance is the larger error; returns the verdicts."""
+        verdicts = self.verdicts()
+        while self.more_packings(verdicts):
+            runs, first = self.rungs[-1][1], self.seed + self.tried
+            self.tried += len(runs)
+            more = self.run(self.rungs[-1][0], range(first, self.seed + self.tried))
+            if not more:
+                break
+            runs += more
             verdicts = self.verdicts()
-            self.say(spacing, verdicts)
-            while self.more_packings(verdicts):
-                runs, first = self.rungs[-1][1], self.seed + count
-                count += len(runs)
-                more = self.run(spacing, range(first, self.seed + count))
-                if not more:
-                    break
-                runs += more
-                verdicts = self.verdicts()
-                self.say(spacing, verdicts)
+            self.say(verdicts)
+        return verdicts
+
+    def climb(self, most=math.inf):
+        """Runs the ladder on, up to so many spacings; returns the verdicts and the sentence that says why it ended;
+        None: it has not."""
+        self.step = self.first() if self.step is None else self.step
+        while True:
+            verdicts = self.settle() if self.rungs else None
             if len(self.rungs) > 2 and self.enough(verdicts):
                 return verdicts, ""
             if len(self.rungs) > 1:
                 self.until = max(self.needed_time(runs) for _, runs in self.rungs[-2:])
+            if self.step > FINEST:
+                break
+            spacing = self.spacing * RATIO**-self.step
+            cost = self.guess(spacing)
+            if self.rungs and cost > self.left():
+                return verdicts, f"the next spacing, {spacing:.3g} m, would cost some {cost:.0f} s"
+            self.tried = self.needed(verdicts, cost)
+            good = self.run(spacing, range(self.seed, self.seed + self.tried))
+            self.step += 1
+            if good:
+                self.rungs.append((spacing, good))
+                self.say(self.verdicts())
+                if len(self.rungs) == most:
+                    return self.verdicts(), None
+            elif self.rungs:
+                return verdicts, f"at {spacing:.3g} m no run ended: {self.notes[-1]}"  # else too coarse for the scene
         if not self.rungs:
             raise tables.RunError(f"no run ended: {self.notes[-1]}")
         return verdicts, "the finest spacing that is tried has been reached"
 
-    def say(self, spacing, verdicts):
-        runs = self.rungs[-1][1]
+    def say(self, verdicts):
+        spacing, runs = self.rungs[-1]
         values = ", ".join(f"{q.text} {v.value:.4g} +- {v.bar:.2g}" for q, v in zip(self.quantities, verdicts))
         print(f"{spacing:.3g} m, {len(runs)} packings, {self.spent:.0f} s so far: {values}", flush=True)
+
+
+def ask(scene, quantities, arguments, options=(), proof=None):
+    """(the Answer that went on, its verdicts, why it ended): with one spacing, or with one that follows the liquid."""
+    uniform, following = (Answer(scene, quantities, arguments, options, way)
+                          for way in (grading.UNIFORM, grading.FOLLOWING))
+    if proof:
+        uniform.spent, uniform.price = proof.spent, proof.price
+    verdicts, why = uniform.climb(grading.LEVELS)
+    if why is not None:
+        uniform.choice = grading.Choice(grading.UNIFORM, f"the first {len(uniform.rungs)} spacings end it")
+        return uniform, verdicts, why
+    before, choice = uniform.verdicts(), grading.choose(uniform, following)
+    print(f"Spacing: {choice.words()}", flush=True)
+    found = following if choice.way == grading.FOLLOWING else uniform
+    found.step, found.choice = uniform.step, choice
+    verdicts, why = found.climb()
+    if found is following:
+        found.doubt = grading.doubt(quantities, before, verdicts)
+    return found, verdicts, why
 
 
 def seed_of(known):
@@ -349,6 +392,7 @@ def report(answer, verdicts, why):
     lines.append(f"Price: {answer.spent:.0f} s for {sum(len(r) for _, r in answer.rungs)} runs; the last took "
                  f"{runs[-1].cpu:.3g} s. {('It ended because ' + why + '.') if why else ''}".rstrip())
     lines.append(f"Model: {answer.model}")
+    lines.append(f"Spacing: {answer.choice.words()}")
     lines.append(f"The last run: {launch.text_of(answer.scene, runs[0].options)}")
     lines += [f"A run failed: {note}" for note in answer.notes]
     return lines
@@ -415,6 +459,14 @@ def table(answer, verdicts, path):
             rows.writerow((q.text, repr(v.value), repr(v.bar), q.unit(), repr(v.spacing), repr(v.chance)))
 
 
+def record(answer, path):
+    """answer.json: the choice of the spacing, with what was compared."""
+    choice = answer.choice
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump({"spacing": {"way": choice.way, "why": choice.why, "compared": choice.ways}}, file, indent=1)
+        file.write("\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("scene", metavar="SCENE.opts")
@@ -437,14 +489,12 @@ def main():
     scene, words, proof, doubt = (arguments.scene, "the scene as it is", None, "") if arguments.whole else model(
         arguments.scene, quantities, arguments)
     print(f"Model: {words}", flush=True)
-    answer = Answer(scene, quantities, arguments)
-    answer.model, answer.doubt = words, doubt
-    if proof:
-        answer.spent, answer.price = proof.spent, proof.price
-    verdicts, why = answer.climb()
+    answer, verdicts, why = ask(scene, quantities, arguments, proof=proof)
+    answer.model, answer.doubt = words, "; ".join(filter(None, (doubt, answer.doubt)))
     lines = report(answer, verdicts, why)
     print("\n" + "\n".join(lines))
     table(answer, verdicts, os.path.join(answer.folder, "answer.csv"))
+    record(answer, os.path.join(answer.folder, "answer.json"))
     page(answer, verdicts, lines, os.path.join(answer.folder, "answer.html"))
     print(f"{os.path.join(answer.folder, 'answer.html')} shows ladder and curves.")
 

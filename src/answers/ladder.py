@@ -8,6 +8,7 @@ finest spacing. Where the last means go one way in steps that are no chance and 
 and no error is given."""
 import math
 
+RATIO = math.sqrt(2)  # of two spacings that follow each other
 FEW = 5
 MARGIN = 1.25
 TWICE = 2.0

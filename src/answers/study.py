@@ -76,8 +76,7 @@ class Row:
 def answered(arguments, quantities, values, options, folder):
     """The row of a combination, as answers."""
     one = argparse.Namespace(**{**vars(arguments), "output": folder})
-    asked = answer.Answer(arguments.scene, quantities, one, options)
-    verdicts, _ = asked.climb()
+    asked, verdicts, _ = answer.ask(arguments.scene, quantities, one, options)
     return Row(values, [(v.value, v.bar) for v in verdicts], asked.spent, asked.rungs[-1][1][0].folder)
 
 

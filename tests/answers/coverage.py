@@ -179,8 +179,7 @@ def ask(kind, case, name, options, wanted, budget):
     with open(scene, "w", encoding="utf-8") as file:
         file.write(text)
     arguments = argparse.Namespace(output=folder, budget=budget, accuracy=0.3, jobs=1)
-    asked = answer.Answer(scene, [quantity.Quantity(q) for q, _ in wanted], arguments)
-    verdicts, _ = asked.climb()
+    asked, verdicts, _ = answer.ask(scene, [quantity.Quantity(q) for q, _ in wanted], arguments)
     slack = REFERENCE if case in ("dry_wall", "deep_pool", "drop_impact") else 0
     return [{"kind": kind, "scene": f"{case} {name}", "quantity": q, "value": f"{v.value:.5g}", "bar": f"{v.bar:.2g}",
              "right": f"{right:.5g}", "inside": "yes" if abs(v.value - right) <= v.bar + slack * right < math.inf else
