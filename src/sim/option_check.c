@@ -45,7 +45,7 @@ static const struct {
   {"time_capillary_limit", "use -time_step_max for shorter steps, -time_step for fixed ones"},
   {"time_force_limit", CONSTANT(FORCE_LIMIT, "stepper/time_step.c")},
   {"time_growth", CONSTANT(GROWTH, "stepper/time_step.c")},
-  {"time_spray_share", CONSTANT(SPRAY_SHARE, "stepper/time_step.c")},
+  {"time_spray_share", CONSTANT(MOVED, "stepper/time_step.c")},
   {"time_viscous_limit", CONSTANT(VISCOUS_LIMIT, "stepper/time_step.c")},
   {"velocity_amplitude", SWINGS},
   {"velocity_frequency", SWINGS},

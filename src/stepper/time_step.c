@@ -9,7 +9,7 @@
 #define FLOW_SHARE    0.05 /* of the time in which such a flow changes; no reference */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
-#define SPRAY_SHARE   0.8  /* of -displacement_max, that a spray particle may move in a step; no reference */
+#define MOVED         0.8  /* of -displacement_max, that a particle may move in a step; no reference */
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {
@@ -189,11 +189,11 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   const TimeStepLimits *limits = &stepper->limits;
   const PetscReal       h      = KernelSmoothingLength(cloud->kernel),
                   fastest      = PetscMax(extreme[FASTEST], SceneSolidSpeed(cloud->scene));
-  const PetscReal spray_path   = SPRAY_SHARE * stepper->trial.displacement * cloud->domain->spacing;
+  const PetscReal most         = MOVED * stepper->trial.displacement * cloud->domain->spacing; /* else it rolls back */
   StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, 0};
 
-  if (fastest > 0) bounds.speed = limits->cfl * h / fastest;
-  if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, spray_path / extreme[FASTEST_SPRAY]);
+  if (fastest > 0) bounds.speed = PetscMin(limits->cfl * h, most) / fastest;
+  if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, most / extreme[FASTEST_SPRAY]);
   if (stepper->ops->bound)
     bounds.speed = PetscMin(bounds.speed, stepper->ops->bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
   if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
@@ -297,7 +297,7 @@ static void ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
   const Viscous        *v        = &stepper->viscous;
   const PetscReal       none     = PETSC_MAX_REAL;
   const StepBound       listed[] = {
-          {"speed", "speed", b->speed, "a larger -time_cfl or -spacing"},
+          {"speed", "speed", b->speed, "a larger -time_cfl, to 0.8 of -displacement_max, or -spacing"},
           {"force", "body force", b->force, "a larger -spacing"},
           {"surface_tension", "surface tension", b->tension, "a larger -spacing, or fewer -time_steps_per_period"},
           {"viscosity", "explicit viscosity", v->implicit ? none : b->viscosity, "-viscosity_solver auto"},

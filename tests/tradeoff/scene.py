@@ -34,7 +34,7 @@ LEVELS = (10, 5, 2)  # per cent, of the advice
 SAMPLES = 200  # times at which curves are compared
 CHOICES = (("preset", "fast", "-options_file options/fast.opts"),
            ("preset", "accurate", "-options_file options/accurate.opts"),
-           ("time step", "CFL 0.4", "-time_cfl 0.4"), ("time step", "CFL 0.1", "-time_cfl 0.1"),
+           ("time step", "CFL 0.3", "-time_cfl 0.3"), ("time step", "CFL 0.1", "-time_cfl 0.1"),
            ("tolerance", "rtol 0.3", "-ksp_rtol 0.3"), ("kernel", "h/d0 1.2", "-kernel_ratio 1.2"))
 SEEDS = (2, 3)
 
