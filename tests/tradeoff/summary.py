@@ -20,7 +20,7 @@ SCENES = {"drop_impact": "drop impact, 0.7 mm, to 20 ms", "oscillating_drop": "o
 LINES = [("`-ksp_rtol 0.3`", "tolerance", "rtol 0.3"), ("`-ksp_rtol 1e-8`", "tolerance", "rtol 1e-8"),
          ("`-pressure_density_tolerance 1e-3`", "density tolerance", "1e-3"),
          ("`-pressure_density_tolerance 1e-5`", "density tolerance", "1e-5"),
-         ("`-time_cfl 0.4`", "time step", "CFL 0.4"), ("`-time_cfl 0.1`", "time step", "CFL 0.1"),
+         ("`-time_cfl 0.3`", "time step", "CFL 0.3"), ("`-time_cfl 0.1`", "time step", "CFL 0.1"),
          ("`-kernel_ratio 1.2`", "kernel", "cubic_spline, h/d0 1.2"),
          ("`-kernel_ratio 1.5`", "kernel", "cubic_spline, h/d0 1.5"),
          ("`-pressure_gradient symmetric`", "scheme", "gradient symmetric"),
