@@ -9,11 +9,12 @@ be carried back (reduce.py) and if the whole scene at a coarse spacing gives the
 series.csv, TAKE one of max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). Where
 only ends are asked, runs end at rest (-stop_at_rest). It begins at coarse spacings, goes finer, and stops when the
 error of every quantity is at most ACCURACY per cent of it, or when the next spacing would cost more than what is left
-of BUDGET (seconds of one core, all runs together). Where three spacings do not do it, the same three with a spacing
-that follows the liquid tell which way gives more accuracy in the time that is left (grading.py). Runs end when no quantity can change any more: of a maximum, when
-two coarser spacings have shown that it has passed. A single run is divided among the cores that are free. Prints value,
-error by spacing, error by packing, and the command that reproduces the last run; FOLDER/answer.html has it with
-pictures, answer.csv the values, answer.json the choice of the spacing. A run that is there already, by the same command, is not run again.
+of BUDGET (seconds of one core, all runs together). Where two spacings will not do, the same two with a spacing that
+follows the liquid tell which way gives more accuracy in the time that is left (grading.py). Runs end when no quantity
+can change any more: of a maximum, when two coarser spacings have shown that it has passed. A single run is divided
+among the cores that are free. Prints value, error by spacing, error by packing, and the command that reproduces the
+last run; FOLDER/answer.html has it with pictures, answer.csv the values, answer.json the choice of the spacing. A run
+that is there already, by the same command, is not run again.
 """
 import argparse
 import csv

@@ -2,7 +2,6 @@
 """Answers, studies and reductions: the ladder's rule on made-up values, quantities of made-up curves, reduced scenes
 beside those written by hand, models that trap, figures carried back, and the programs themselves on a short scene."""
 import argparse
-import json
 import math
 import os
 import random
@@ -14,7 +13,6 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
 import answer  # noqa: E402
-import grading  # noqa: E402
 import ladder  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
@@ -525,76 +523,6 @@ def passed():
     runs.check_within(divided.series["time"][-1], 0.2 - 1e-9, 0.2 + 1e-9, "which_ends")
 
 
-# (scene, seconds, the way that is taken, why): a drop above a film of six spacings, thin everywhere, and above a pool
-FALL = "-dimension axisymmetric -spacing 0.1e-3 -box_xmax wall -box_ymin wall -gravity 0,-9.81 -bodies pool,drop " \
-    "-drop_shape sphere -drop_radius 0.8e-3 -drop_center 0,1.2e-3 -drop_velocity 0,-1 -time_end 1e-3 "
-POOLS = FALL + "-box_lower 0,-4e-3 -box_upper 4e-3,3e-3 -pool_upper 4e-3,0 "
-WAYS = (
-    ("film", FALL + "-box_lower 0,-0.6e-3 -box_upper 6e-3,3e-3 -pool_upper 6e-3,0", 13, "uniform", "gains too little"),
-    ("deep_pool", POOLS, 60, "following", "comes to a finer spacing"))
-REFUSED = (("two_liquids", POOLS + "-drop_tension 0.07 -interface_tension 0.03 -interface_bodies drop", "interface"),
-           ("uniform_by_wish", POOLS + "-spacing_follow none", "the scene has -spacing_follow"),
-           ("its_own", POOLS + "-spacing_coarse 0.2e-3 -spacing_follow surface", "the scene has -spacing_coarse"),
-           ("pool_alone", POOLS, ""))
-
-
-def choices():
-    """The way of the spacing: a run is what the program makes of two steps, its price that of its particles, its value
-    what is wanted here."""
-    made = launch.Run.go
-
-    def short(run, value=lambda run, spacing: 1 + 0.1 * spacing / 1e-4):
-        spacing = float(run.options[-3])
-        limited = launch.Run(run.scene, run.options + ["-steps_max", "2"], run.folder)
-        particles = made(limited).series["particles"][0]
-        run.cpu = run.wall = particles / 1000 * 1e-4 / spacing
-        run.series = {"time": [0, 1e-3], "highest": [0, value(run, spacing)]}
-        return run
-    for name, options, words in REFUSED:
-        said = grading.refused(scene(name, options), [], 0.1e-3)
-        runs.check(words in said and bool(words) == bool(said), f"refused_{name}", said)
-    for name, options, budget, way, why in WAYS:
-        path, quantities, arguments, _ = asked(f"way_{name}", options, "highest:max", budget)
-        arguments.accuracy = 0.01
-        launch.Run.go = short
-        found, verdicts, _ = answer.ask(path, quantities, arguments)
-        launch.Run.go = made
-        choice = found.choice
-        runs.check((choice.way, found.way) == (way, way) and why in choice.why, f"way_of_{name}", choice.words())
-        followed = {"-spacing_follow" in run.options for _, rung in found.rungs for run in rung}
-        runs.check(followed == {way == "following"}, f"runs_of_{name}", str(followed))
-        runs.check(found.spent <= arguments.budget * 1.01 and found.rungs[-1][0] < found.rungs[1][0],
-                   f"budget_of_{name}", str(found.spent))
-        record = runs.scratch(f"{name}.json")
-        answer.record(found, record)
-        with open(record, encoding="utf-8") as file:
-            rows = json.load(file)["spacing"]["compared"]
-        runs.check([one["way"] for one in rows] == ["uniform", "following"] and
-                   (rows[1]["reach"] < grading.GAIN * rows[0]["reach"]) == (way == "following"),
-                   f"record_of_{name}", str(rows))
-    launch.Run.go = lambda run: short(run, lambda run, spacing: 1 + 0.1 * spacing / 1e-4 +
-                                      0.5 * ("-spacing_follow" in run.options))
-    found = answer.ask(path, quantities, arguments)[0]
-    runs.check(found.way == "uniform" and "differs" in found.choice.why, "way_of_another_value", found.choice.words())
-    launch.Run.go = short
-    arguments.accuracy = 30
-    found = answer.ask(path, quantities, arguments)[0]
-    runs.check("may be enough" in found.choice.why, "nothing_is_tried_near_the_end", found.choice.words())
-    arguments.accuracy, arguments.budget = 0.01, 30
-    found = answer.ask(path, quantities, arguments)[0]
-    launch.Run.go = made
-    runs.check("would cost" in found.choice.why, "nothing_is_tried_without_time", found.choice.words())
-    verdict = [argparse.Namespace(value=1, bar=0.1)]
-    for value, due in ((1.13, False), (1.15, True)):
-        said = grading.doubt(quantities, verdict, [argparse.Namespace(value=value, bar=0.1)])
-        runs.check(bool(said) == due, f"doubt_{value}", said)
-    rungs = [(s, [argparse.Namespace(cpu=s**-3.)]) for s in (2**-0.5, 0.5)]  # 8 s, then 22.6, 64, 181
-    ladder_ = argparse.Namespace(rungs=rungs, growth=lambda: 3)
-    for levels in (1, 2, 3):
-        reach = grading.reach(ladder_, 8 * sum(2**(1.5 * k) for k in range(1, levels + 1)))
-        runs.check_within(reach / (0.5 * 2**(-0.5 * levels)), 1, 1.3, f"reach_of_{levels}")
-
-
 def resting(times, curve):
     """The time at which the curve has stayed within 2 % of its range since half of it."""
     return next((t for t in times[10:] if np.ptp(curve[(times >= t / 2) & (times <= t)]) <= 0.02 * np.ptp(
@@ -712,8 +640,7 @@ def models():
 
 PARTS = {"ladders": ladders, "diverging": diverging, "quantities": quantities, "reductions": reductions,
          "models": models, "programs": programs, "holds": holds, "figures": figures, "squares": squares,
-         "carries": carries, "rests": rests, "coarse": coarse, "packings": packings, "passed": passed, "choices": choices,
-         "keys": keys}
+         "carries": carries, "rests": rests, "coarse": coarse, "packings": packings, "passed": passed, "keys": keys}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

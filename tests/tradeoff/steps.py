@@ -4,10 +4,11 @@
     steps.py [--case NAME ...] [--cfl 0.12,0.2,...] [--packings 5]          make tradeoff-steps [CASE=...]
 
 Each scene of SCENES runs with each -time_cfl, once a packing, and at a finer spacing with the default, which tells what
-accuracy costs there: an error E times as large would have been had for E^-q of the work. So 'work at equal error' is the
-processor time over the default's, times (error over the default's)^q. Runs of a packing follow each other, so that a
-busy machine slows all choices alike. The share of the steps that the speed bounds is taken from the series: steps other
-than what gravity, tension or viscosity, the smallest of them, allows (scene.json). Writes output/tradeoff/steps.csv and .md.
+accuracy costs there: an error E times as large would have been had for E^-q of the work. So 'work at equal error' is
+the processor time over the default's, times (error over the default's)^q. Runs of a packing follow each other, so that
+a busy machine slows all choices alike. The share of the steps that the speed bounds is taken from the series: steps
+other than what gravity, tension or viscosity, the smallest of them, allows (scene.json). Writes
+output/tradeoff/steps.csv and .md.
 """
 import argparse
 import csv
