@@ -76,7 +76,7 @@ struct _p_Pressure {
   /* of the closure */
   PetscBool wall_suction;     /* walls may pull beside a free surface */
   PetscReal lattice_diagonal; /* Lambda_0 of a row with rest density 1, 1/m2 */
-  PetscBool free_surface;     /* some particle of some rank is on a free surface */
+  PetscBool free_surface;     /* some particle of some rank is on a free surface or near one */
 
   /* of the gradient */
   PetscReal  regularization; /* 1 */
