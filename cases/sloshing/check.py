@@ -48,8 +48,8 @@ def bounce(flux, start, volume, end):
 def trapped(folder, options):
     """The pocket of pocket.opts. The water that moves with the speed U has the flux U (length - x) flux into the pocket
     once the wall has stopped it, x the mean distance of the pocket's surface from the wall."""
-    size = [float(options[f"-{name}"].split(",")[k]) for name, k in (("pocket_radius", 0), ("water_upper", 1),
-                                                                     ("water_upper", 0))]
+    length, height = (float(x) for x in options["-water_upper"].split(","))
+    size = float(options["-pocket_radius"]), height, length
     speed, flux, volume = -float(options["-water_velocity"].split(",")[0]), corner(*size), np.pi * size[0]**2 / 4
     rows = physics.table(os.path.join(folder, "pockets.csv"))
     t, p = rows["time_s"], rows["pressure_Pa"]
@@ -60,7 +60,8 @@ def trapped(folder, options):
     swing = bounce(flux, speed * (size[2] - 2 * size[0] / np.pi) * flux, volume, period)
     return [physics.relative("first period of the pocket", 1e3 * periods[0], 1e3 * period, 0.01, "ms"),
             physics.relative("second period", 1e3 * periods[1], 1e3 * period, 0.03, "ms"),
-            physics.relative("half the swing of its pressure in the first", np.ptp(p[t < period]) / 2, swing, 0.03, "Pa"),
+            physics.relative("half the swing of its pressure in the first", np.ptp(p[t < period]) / 2, swing, 0.03,
+                             "Pa"),
             physics.relative("its gas at the end, over that at the start", rows["amount_m2"][-1] / rows["amount_m2"][0],
                              1, 1e-6)]
 
