@@ -21,7 +21,8 @@ void TimeStepDefaults(TimeStepLimits *limits)
 }
 
 static const OptionRow options[] = {
-  {"-time_cfl", "Largest speed times time step over h", "1", "(0, 2]", ROW_REAL, offsetof(TimeStepLimits, cfl)},
+  {"-time_cfl", "Largest speed times time step over h; 0.8 of -displacement_max bounds the step, too", "1", "(0, 2]",
+   ROW_REAL, offsetof(TimeStepLimits, cfl)},
   {"-time_steps_per_period",
    "Bound by surface tension: at least so many steps in a period of a drop as thick as the thinnest body, if the "
    "spacing alone asks for more; 0: as the spacing asks",
