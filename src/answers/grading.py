@@ -1,9 +1,9 @@
 """Whether the runs of an answer have one spacing everywhere or one that follows the liquid (-spacing_follow auto).
 
 After the first two spacings the same two run with the spacing that follows, if that costs no more than TRIAL of what is
-left. At the same spacing both make about the same error, if their values agree within their bars; so that way is taken
-which comes to the finer spacing in the time that is left: a run costs the spacing to the power of -growth, by the last
-two. The bars of the first spacings are too uncertain to tell more (tests/answers/README.md)."""
+left. At the same spacing both make about the same error, if their values agree within sqrt(2) of the narrower bar; so
+that way is taken which comes to the finer spacing in the time that is left: a run costs the spacing to the power of
+-growth, by the last two. The bars of the first spacings are too uncertain to tell more (tests/answers/README.md)."""
 import math
 
 import ladder
@@ -69,7 +69,7 @@ def judge(rows):
     """The choice between the rows of both ways."""
     uniform, following = rows
     for u, f in zip(uniform["quantities"], following["quantities"]):
-        if not abs(u["value"] - f["value"]) <= math.hypot(u["bar"], f["bar"]):
+        if not abs(u["value"] - f["value"]) <= math.sqrt(2) * min(u["bar"], f["bar"]):
             return Choice(UNIFORM, f"{u['quantity']} differs where the spacing follows the liquid", rows)
     if following["reach"] < GAIN * uniform["reach"]:
         return Choice(FOLLOWING, "it comes to a finer spacing in the time that is left", rows)

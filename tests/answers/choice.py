@@ -88,6 +88,18 @@ def ways():
     launch.Run.go = GO
 
 
+def bars():
+    """Values that are apart agree by the narrower of their bars, whichever way has it."""
+    rows = [{"way": way, "spacing": 1, "seconds": 1, "reach": reach, "quantities": [{"quantity": "a", "value": value}]}
+            for way, reach, value in (("uniform", 1, 1.0), ("following", 0.5, 1.3))]
+    for narrow, wide, due in ((0.25, 9, "following"), (0.2, 9, "uniform")):
+        for bars_ in ((narrow, wide), (wide, narrow)):
+            for row, bar in zip(rows, bars_):
+                row["quantities"][0]["bar"] = bar
+            found = grading.judge(rows)
+            runs.check(found.way == due, f"bars_{bars_[0]}_{bars_[1]}", found.words())
+
+
 def reaches():
     """The finest spacing for what is left, and the doubt about a value away from the first bars."""
     rungs = [(s, [argparse.Namespace(cpu=s**-3.)]) for s in (2**-0.5, 0.5)]  # 8 s, then 22.6, 64, 181
@@ -101,7 +113,7 @@ def reaches():
         runs.check(bool(said) == due, f"doubt_{value}", said)
 
 
-PARTS = {"refusals": refusals, "ways": ways, "reaches": reaches}
+PARTS = {"refusals": refusals, "ways": ways, "bars": bars, "reaches": reaches}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
