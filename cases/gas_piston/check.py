@@ -34,7 +34,8 @@ def check(folder):
     back = top(t[after], volume[after] / volume[0])
     return [physics.relative("largest pressure", found[1], exact[1], 0.01, "Pa"),
             physics.relative("its time", found[0], exact[0], 0.01, "s"),
-            physics.relative("volume of the gas when the column is up again, over that at the start", back[1], 1, 0.005),
+            physics.relative("volume of the gas when the column is up again, over that at the start", back[1], 1,
+                             0.005),
             physics.relative("the time of that", back[0], 2 * exact[0], 0.01, "s")]
 
 

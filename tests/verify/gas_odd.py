@@ -50,7 +50,7 @@ for column in ("volume", "pressure", "amount"):
     runs.check((values[0] == values[1]).all(), f"restart_keeps_{column}_of_a_hundred", np.ptp(values, axis=0).max())
 for side in 17, 32:
     crowd = runs.run(compartments(side) + "-time_end 2e-3", f"crowd_{side}")
-    runs.check("more than 256 pockets" in log(crowd), f"says_that_{side * side}_pockets_are_too_many", log(crowd)[-800:])
+    runs.check("more than 256 pockets" in log(crowd), f"says_that_{side * side}_pockets_are_many", log(crowd)[-800:])
     full = pockets(crowd)["amount"] > 0
     runs.check(full.sum() == 2 * 256, f"256_of_{side * side}_have_gas", full.sum())
 
