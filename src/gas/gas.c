@@ -263,12 +263,12 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
                             "  gas         %" PetscInt_FMT " pockets; so far %" PetscInt_FMT " enclosed, %" PetscInt_FMT
                             " split, %" PetscInt_FMT " merged, %" PetscInt_FMT
                             " opened or filled; largest pressure %.4g Pa; work %.4g %s\n"
-                            "              enclosed %.4g %s, of which %.4g opened, %.4g was in regions of less than %d "
-                            "cells of a spacing and is lost\n",
+                            "              enclosed %.4g %s, of which %.4g opened, %.4g was in regions too small for "
+                            "a pocket and is lost\n",
                             so_far->count, so_far->born, so_far->split, so_far->merged, so_far->ended,
                             (double)so_far->highest, (double)(copies * so_far->work), joule,
                             (double)(copies * so_far->enclosed), unit, (double)(copies * so_far->vented),
-                            (double)(copies * so_far->lost), GAS_SMALLEST));
+                            (double)(copies * so_far->lost)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

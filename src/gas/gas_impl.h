@@ -5,10 +5,9 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define GAS_EDGE     "gas" /* the name of the edge */
-#define GAS_MOST     256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
-#define GAS_SMALLEST 4     /* cells of a pocket, at least */
-#define GAS_SHARE    8     /* pockets that a row may see */
+#define GAS_EDGE  "gas" /* the name of the edge */
+#define GAS_MOST  256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
+#define GAS_SHARE 8     /* pockets that a row may see */
 
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
 enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };

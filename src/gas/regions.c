@@ -3,9 +3,10 @@
    air in it; what opens between liquid is a void, and so is a region that is too small. */
 #include "gas_impl.h"
 
-#define FILLED 0.5 /* cells that are filled by less are empty */
-#define JUMP   0.3 /* of liquid that emitters bring: a volume that shrinks by more at once has it */
-#define REACH  3   /* cells around a region in which what is not filled is the region's */
+#define FILLED   0.5 /* cells that are filled by less are empty */
+#define SMALLEST 4   /* cells of a new pocket, at least */
+#define JUMP     0.3 /* of liquid that emitters bring: a volume that shrinks by more at once has it */
+#define REACH    3   /* cells around a region in which what is not filled is the region's */
 
 /* A region while regions are found. */
 typedef struct {
@@ -230,33 +231,47 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
   return sources;
 }
 
-/* Labels regions that are large enough for a pocket with their numbers, of more than GAS_MOST the largest, and sums in
-   common[b width + count] the cells of pocket b that are in these and in the air: what sheds smaller regions keeps
-   their gas. */
+/* Labels regions that are large enough for a pocket with their numbers, and sums in common[b width + count] the cells
+   of pocket b that are in these and in the air: what sheds regions too small for a pocket keeps their gas. The
+   largest part of a pocket lasts to its last cell. Of more than GAS_MOST regions the largest are chosen, first of these
+   parts. */
 static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
 {
   const PetscInt width = regions->count + 1;
-  PetscInt      *sorted, n = 0, least = GAS_SMALLEST, spare;
+  PetscInt      *size, *sorted, n = 0, least = 1, spare = 0;
 
   PetscFunctionBegin;
+  PetscCall(PetscCalloc1(regions->count, &size));
   PetscCall(PetscMalloc1(regions->count, &sorted));
-  for (PetscInt r = 0; r < regions->count; r++)
-    if (regions->region[r].label != GAS_AIR && regions->region[r].cells >= GAS_SMALLEST)
-      sorted[n++] = regions->region[r].cells;
+  for (PetscInt b = 1; b <= gas->before.count && common; b++) {
+    PetscInt largest = 0;
+
+    if (PocketIsVoid(&gas->before.pocket[b])) continue;
+    for (PetscInt r = 1; r < regions->count; r++)
+      if (common[b * width + r] > common[b * width + largest]) largest = r;
+    if (regions->count && common[b * width + largest]) size[largest] = PETSC_MAX_INT / 2;
+  }
+  for (PetscInt r = 0; r < regions->count; r++) {
+    const Region *region = &regions->region[r];
+
+    if (region->label == GAS_AIR || (!size[r] && region->cells < SMALLEST))
+      size[r] = 0;
+    else
+      sorted[n++] = size[r] += region->cells;
+  }
   PetscCall(PetscSortInt(n, sorted));
   gas->crowded = (PetscBool)(n > GAS_MOST);
   if (gas->crowded) least = sorted[n - GAS_MOST];
-  spare = GAS_MOST; /* of the regions of 'least' cells */
-  while (n > 0 && sorted[n - 1] > least) n--, spare--;
+  for (PetscInt k = PetscMax(0, n - GAS_MOST); k < n; k++) spare += sorted[k] == least;
   gas->now.count = 0;
   for (PetscInt r = 0; r < regions->count; r++) {
     Region *region = &regions->region[r];
 
-    if (region->label != GAS_AIR && (region->cells > least || (region->cells == least && spare-- > 0)))
-      region->label = ++gas->now.count;
+    if (size[r] > least || (size[r] == least && spare-- > 0)) region->label = ++gas->now.count;
     for (PetscInt b = 0; b <= gas->before.count && common && region->label >= GAS_AIR; b++)
       common[b * width + width - 1] += common[b * width + r];
   }
+  PetscCall(PetscFree(size));
   PetscCall(PetscFree(sorted));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -125,6 +125,10 @@ got = pockets(runs.run(COLUMN + "-gas_exponent 0 -time_end 0.1", "constant"))
 runs.check_within(got["volume"].min() / got["volume"].max(), 0.998, 1, "constant_volume")
 runs.check_within(got["pressure"][-10:].mean() / (RHO * 8 * 9.81), 0.95, 1.05, "pressure_of_constant_volume")
 
+# gas so wide that blocks of its cells are empty, some of them beyond the box
+got = pockets(runs.run(COLUMN + "-water_lower 0,8 -water_upper 2.5,12 -time_end 4e-3", "wide"))
+runs.check_within(got["volume"][0] / (8 * 2.5), 0.99, 1.01, "volume_of_wide_gas")
+
 # layers of liquid that rows look through, at rest on a lattice: one of three spacings bears 5/6 of its weight
 for layers, least, most in ((3, 0.78, 0.9), (6, 0.95, 1.05)):
     layer = f"-gas_exponent 0 -water_upper 2.5,{2 + layers / 4} -packing_jitter 0 -time_end 0.1"
