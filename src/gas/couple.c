@@ -48,8 +48,8 @@
 
 void GasForget(Gas *gas)
 {
-  gas->rows = gas->gaps = gas->gapped = gas->yields = 0;
-  gas->now.count                                    = 0;
+  gas->rows = gas->areas = gas->gaps = gas->gapped = gas->yields = 0;
+  gas->now.count                                                 = 0;
 }
 
 /* Makes room for one more entry of 'bytes' in a list. */
@@ -140,86 +140,141 @@ static PetscErrorCode AddRow(Gas *gas, const GasRow *row)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a row sees of one region, or of all: the kernel's sum over the empty parts of cells, and its gradient; the same
-   over whole cells times the volume of a cell. */
+/* What a particle sees of one region: the kernel's sum over the empty parts of cells, and its gradient; the same over
+   whole cells times their volumes. */
 typedef struct {
   PetscInt  region;
-  PetscReal sum, slope[DIM], area[DIM];
+  PetscReal sum, slope[DIM], volume, area[DIM];
 } Sight;
+typedef struct {
+  PetscInt  n;
+  PetscReal size;
+  PetscBool moves; /* a dummy particle of a solid that moves */
+  Sight     each[GAS_SHARE];
+} View;
 
-static void See(Sight *sight, PetscReal empty, PetscReal W, PetscReal F, const PetscReal r[DIM])
+/* The weight of the part of a solid, s: behind its dummy particles, a solid is hollow. In front of what is dry as well
+   as of what is wet, the weighted grad s integrates to what grad s does if the solid is full. */
+static PetscReal SolidWeight(PetscReal s)
 {
-  sight->sum += empty * W;
-  for (PetscInt d = 0; d < DIM; d++) sight->slope[d] += empty * F * r[d];
+  return 6 * s * (1 - s);
 }
 
-/* What particle a sees; each: [GAS_SHARE] regions, returns how many. */
-static PetscInt Look(const Gas *gas, PetscInt a, Sight *all, Sight each[GAS_SHARE])
+static void See(const GasCells *cells, const GasNear *near, void *context)
 {
-  const GasCells  *cells = &gas->now.cells;
-  const Cloud      cloud = gas->cloud;
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, size = cloud->size[a],
-                  reach = size * KernelSupport(cloud->kernel);
-  PetscInt first[DIM], last[DIM], at[DIM], n = 0;
+  View *view = (View *)context;
 
-  *all = (Sight){0};
-  if (!GasCellsRange(cells, cloud->domain, x, reach, first, last)) return 0;
-  for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
-  do {
-    const PetscInt  node   = GasCellsNode(cells, at[0], at[1], at[2]);
-    const PetscInt  region = node < 0                          ? GAS_LIQUID
-                             : node < cells->near * cells->per ? cells->owner[node]
-                                                               : cells->label[node];
-    const PetscReal empty  = node < 0 || node >= cells->near * cells->per ? 1 : 1 - cells->filled[node];
-    PetscReal       r[DIM] = {0, 0, 0}, r2, W, F;
-    PetscInt        m      = 0;
+  for (PetscInt m = 0; m < near->n; m++) {
+    const PetscInt  node = near->node[m], region = cells->owner[node];
+    const PetscReal empty = 1 - cells->filled[node], F = near->F[m] / view->size,
+                    volume = near->volume[m] * (view->moves ? SolidWeight(cells->solid[node]) : 1);
+    PetscInt k             = 0;
+    Sight   *sight;
 
-    if (region < 0) continue;
-    for (PetscInt d = 0; d < cloud->domain->dim; d++) r[d] = x[d] - cells->lower[d] - (at[d] + 0.5) * cells->size[d];
-    r2 = Dot(r, r) / (size * size);
-    KernelEvaluate(cloud->kernel, 1, &r2, &W, &F);
-    while (m < n && each[m].region != region) m++;
-    if (m == GAS_SHARE) continue;
-    if (m == n) each[n++] = (Sight){.region = region};
-    for (PetscInt d = 0; d < DIM; d++)
-      each[m].area[d] += GasCellsVolume(cells, cloud->domain, at[0]) * F / (size * size) * r[d];
+    while (k < view->n && view->each[k].region != region) k++;
+    if (k == GAS_SHARE) continue;
+    sight = &view->each[k];
+    if (k == view->n) {
+      view->n++;
+      *sight = (Sight){.region = region};
+    }
+    sight->volume += volume * near->W[m];
+    for (PetscInt d = 0; d < DIM; d++) sight->area[d] += volume * F * near->image->sign[d] * near->r[m][d];
     if (empty < COUNTS) continue;
-    See(&each[m], empty, W, F / (size * size), r);
-    See(all, empty, W, F / (size * size), r);
-  } while (CellNext(first, last, at));
-  return n;
+    sight->sum += empty * near->W[m];
+    for (PetscInt d = 0; d < DIM; d++) sight->slope[d] += empty * F * near->image->sign[d] * near->r[m][d];
+  }
+}
+
+/* Adds the rows of particle a, which is beside a free surface, or the gap that it is. */
+static PetscErrorCode AddSights(Gas *gas, PetscInt a, const View *view)
+{
+  Sight all = {0};
+
+  PetscFunctionBegin;
+  for (const Sight *each = view->each; each < view->each + view->n; each++) {
+    all.sum += each->sum;
+    for (PetscInt d = 0; d < DIM; d++) all.slope[d] += each->slope[d];
+  }
+  if (all.sum == 0) {
+    PetscCall(Grow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), (void *)&gas->gap));
+    gas->gap[gas->gaps++] = a;
+  }
+  for (const Sight *each = view->each; each < view->each + view->n; each++) {
+    GasRow row = {.row = a, .pocket = each->region - 1};
+
+    if (each->region == GAS_AIR || each->sum == 0) continue;
+    row.share = each->sum / all.sum;
+    for (PetscInt d = 0; d < DIM; d++) {
+      row.slope[d] = (each->slope[d] - row.share * all.slope[d]) / all.sum;
+      row.area[d]  = -GasPart(gas->cloud, a, PressureFull(gas->pressure)) * each->area[d];
+    }
+    PetscCall(AddRow(gas, &row));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddAreas(Gas *gas, PetscInt a, const View *view)
+{
+  const PetscReal part = GasPart(gas->cloud, a, PressureFull(gas->pressure));
+
+  PetscFunctionBegin;
+  for (const Sight *each = view->each; each < view->each + view->n; each++) {
+    GasArea *area;
+
+    if (each->region == GAS_AIR) continue;
+    PetscCall(Grow(gas->areas, &gas->areas_capacity, sizeof(*gas->area), (void *)&gas->area));
+    area  = &gas->area[gas->areas++];
+    *area = (GasArea){.particle = a, .pocket = each->region, .lengthened = part * each->volume};
+    for (PetscInt d = 0; d < DIM; d++) area->area[d] = -part * each->area[d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GasFindRows(Gas *gas)
 {
-  Cloud cloud = gas->cloud;
+  Cloud     cloud = gas->cloud;
+  GasCells *cells = gas->now.cells;
 
   PetscFunctionBegin;
-  gas->rows = gas->gaps = gas->yields = 0;
-  gas->layout                         = cloud->layout;
-  for (PetscInt a = 0; a < cloud->n_fluid && (gas->now.count || !gas->open); a++) {
-    Sight    all, each[GAS_SHARE];
-    PetscInt n;
+  gas->rows = gas->areas = gas->gaps = gas->yields = 0;
+  gas->layout                                      = cloud->layout;
+  if (gas->now.count && gas->solids_move) PetscCall(GasCellsSolid(cells, cloud, PressureFull(gas->pressure)));
+  for (PetscInt a = 0; a < cloud->n_owned && (gas->now.count || !gas->open); a++) {
+    const PetscBool row = (PetscBool)(a < cloud->n_fluid && PressureCloses(gas->pressure, a));
+    View            view;
 
-    if (!PressureCloses(gas->pressure, a)) continue;
-    n = Look(gas, a, &all, each);
-    if (all.sum == 0) {
-      PetscCall(Grow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), (void *)&gas->gap));
-      gas->gap[gas->gaps++] = a;
-    }
-    for (PetscInt m = 0; m < n; m++) {
-      GasRow row = {.row = a, .pocket = each[m].region - 1};
-
-      if (each[m].region == GAS_AIR || each[m].sum == 0) continue;
-      row.share = each[m].sum / all.sum;
-      for (PetscInt d = 0; d < DIM; d++) {
-        row.slope[d] = (each[m].slope[d] - row.share * all.slope[d]) / all.sum;
-        row.area[d]  = -GasPart(cloud, a, PressureFull(gas->pressure)) * each[m].area[d];
-      }
-      PetscCall(AddRow(gas, &row));
-    }
+    if (!row && gas->frozen) continue;
+    view.n     = 0;
+    view.size  = cloud->size[a];
+    view.moves = (PetscBool)(gas->solids_move && cloud->integer[INT_BODY][a] <= BODY_SOLID);
+    GasCellsNear(cells, cloud, row ? cells->seen : cells->held, a, See, &view);
+    if (row) PetscCall(AddSights(gas, a, &view));
+    if (!gas->frozen) PetscCall(AddAreas(gas, a, &view));
   }
   PetscCall(FindTies(gas));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How fast the volumes of the pockets grow (m3/s, [count + 1] from 1 on) with the velocities v ([n_owned][3], m/s);
+ *fastest: the largest of them that count. */
+static PetscErrorCode Rates(const Gas *gas, const PetscReal v[], PetscReal rate[], PetscReal *fastest)
+{
+  const PetscInt   n = gas->now.count + 1;
+  const PetscReal *x = gas->cloud->field[FIELD_POSITION];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(rate, n));
+  *fastest = 0;
+  for (const GasArea *area = gas->area; area < gas->area + gas->areas; area++) {
+    const PetscInt a = DIM * area->particle;
+
+    rate[area->pocket] +=
+      Dot(area->area, v + a) + area->lengthened * DomainLengthening(gas->cloud->domain, x + a, v + a);
+    *fastest = PetscMax(*fastest, Norm(v + a));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, fastest, 1, MPIU_REAL, MPIU_MAX, gas->cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, rate, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, gas->cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -251,7 +306,7 @@ static PetscErrorCode FindLoads(Gas *gas, Pockets **pockets)
   *pockets         = Acts(gas) ? &gas->now : &gas->before;
   gas->loads.count = 0;
   if ((*pockets)->count)
-    PetscCall(GasCellsLoads(&(*pockets)->cells, gas->cloud, PressureFull(gas->pressure), &gas->loads));
+    PetscCall(GasCellsLoads((*pockets)->cells, gas->cloud, PressureFull(gas->pressure), &gas->loads));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -332,7 +387,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   const Cloud      cloud   = gas->cloud;
   const PetscReal *closure = PressureClosure(pressure), kept = PressureKeptShare(pressure), dt = PressureStep(pressure);
   const PetscInt   n = gas->now.count;
-  PetscReal        moved[GAS_MOST];
+  PetscReal        moved[GAS_MOST], fastest;
 
   PetscFunctionBegin;
   PetscCall(PetscFree(gas->matrix));
@@ -350,9 +405,9 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, gas->matrix, (PetscMPIInt)(n * n), MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, moved, (PetscMPIInt)n, MPIU_REAL, MPIU_SUM, cloud->comm));
   if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS); /* nothing moves */
-  if (gas->solids_move) PetscCall(GasCellsSolid(&gas->now.cells, cloud, PressureFull(pressure)));
-  PetscCall(GasCellsRates(&gas->now.cells, cloud, PressureFull(pressure), n, cloud->field[FIELD_VELOCITY_STAR],
-                          cloud->field[FIELD_VELOCITY], gas->star, gas->old));
+  PetscCall(Rates(gas, cloud->field[FIELD_VELOCITY_STAR], gas->star, &fastest));
+  PetscCall(Rates(gas, cloud->field[FIELD_VELOCITY], gas->old, &fastest));
+  gas->now.moved += dt * fastest / cloud->domain->spacing;
   for (PetscInt i = 0; i < n; i++) { /* tension acts; the kept share of the pressure leaves the velocity */
     for (PetscInt j = 0; j < n; j++) moved[i] -= kept * gas->matrix[i * n + j] * gas->now.pocket[j + 1].pressure;
     gas->star[i + 1] += dt * cloud->domain->volume * moved[i];
@@ -377,6 +432,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     const PetscBool constant = (PetscBool)(gas->exponent == 0 || PocketIsVoid(pocket));
     PetscReal       V;
 
+    if (gas->same) pocket->volume += dt * gas->old[k + 1]; /* the sums of the cells would */
     if (PocketIsVoid(pocket)) pocket->tracked = pocket->volume;
     /* the flux gives the fast changes of the volume, the cells the slow ones */
     if (gas->before_known && !gas->frozen) pocket->tracked += dt * gas->old[k + 1];

@@ -15,20 +15,22 @@ enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
 /* --- cells.c: cells of one spacing near free surfaces, walls and solids, the same on every rank. Cells lie in blocks;
    a block that no such particle reaches has no cells, it is empty or full as a whole. A node is a cell or an empty
    block. --- */
+typedef uint64_t GasMask; /* a bit for each cell of a block */
 typedef struct {
-  PetscInt       n[DIM], blocks[DIM];   /* cells and blocks a direction */
-  PetscInt       shift[DIM];            /* a block has 2^shift cells a direction */
-  PetscReal      lower[DIM], size[DIM]; /* m */
-  PetscReal      volume;                /* of a cell, m^dim, of the cross section of rings */
-  PetscInt       per, near, all;        /* cells of a block, blocks with cells, blocks */
-  PetscInt       capacity;              /* nodes */
-  PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
-  PetscInt      *home;                  /* [near] the block with this number */
-  unsigned char *held;                  /* [near] 1: a cell of the block has a pocket as owner */
-  unsigned char *core;                  /* [all][per] of solids: CORE_... */
-  unsigned char *mark;                  /* [near][per] MARK_WET, MARK_CLOSE */
-  PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
-  PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
+  PetscInt   n[DIM], blocks[DIM];   /* cells and blocks a direction */
+  PetscInt   shift[DIM];            /* a block has 2^shift cells a direction */
+  PetscReal  lower[DIM], size[DIM]; /* m */
+  PetscReal  many[DIM];             /* 1/size */
+  PetscReal  volume;                /* of a cell, m^dim, of the cross section of rings */
+  PetscReal *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
+  PetscInt   per, near, all;        /* cells of a block, blocks with cells, blocks */
+  PetscInt   capacity;              /* nodes */
+  PetscInt  *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
+  PetscInt  *home;                  /* [near] the block with this number */
+  GasMask   *close, *seen, *held;   /* [near] cells that are not full for sure; with an owner; with a pocket as owner */
+  unsigned char *core;              /* [all][per] of solids: CORE_... */
+  PetscReal     *filled;            /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscReal     *solid;             /* [near][per] the part of walls and solids, if it is known */
   PetscBool      solid_known;
   PetscInt      *label; /* [nodes] */
   PetscInt      *owner; /* [near][per] the region around, a few cells into the liquid, too */
@@ -44,15 +46,30 @@ static inline PetscReal GasPart(Cloud cloud, PetscInt a, PetscReal full)
 }
 
 /* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved.
-   GasCellsRates - how fast the volumes of the pockets, the 'count' owners, grow (m3/s, [count + 1] from 1 on) with the
-   velocities v and with w
-   ([n_owned][3], m/s): the derivative of the sums of the cells; it needs GasCellsSolid if solids move. full:
-   PressureFull. Collective. GasCellsNode - the node of a cell, -1: full. Not collective. */
+   GasCellsSolid - the part of walls and solids of it; full: PressureFull. Collective. GasCellsNode - the node of a
+   cell, -1: full. Not collective. */
 PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved);
 PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full);
-PetscErrorCode GasCellsRates(GasCells *cells, Cloud cloud, PetscReal full, PetscInt count, const PetscReal v[],
-                             const PetscReal w[], PetscReal rate_v[], PetscReal rate_w[]);
 PetscErrorCode GasCellsDestroy(GasCells *cells);
+
+/* The map of a particle to its image: x' = sign x + offset. */
+typedef struct {
+  PetscReal sign[DIM], offset[DIM];
+} GasImage;
+
+/* Cells within the support of the image of a particle: the vectors from their middles to it in units of its size, with
+   W and F there; their volumes (m^dim, of rings m3). */
+#define GAS_NEAR 256 /* at most; more come in several */
+typedef struct {
+  const GasImage *image;
+  PetscInt        n, node[GAS_NEAR];
+  PetscReal       r[GAS_NEAR][DIM], r2[GAS_NEAR], W[GAS_NEAR], F[GAS_NEAR], volume[GAS_NEAR];
+} GasNear;
+typedef void (*GasVisitor)(const GasCells *cells, const GasNear *near, void *context);
+
+/* GasCellsNear - visits the cells of a set within the support of an owned particle and of its images. Not
+   collective. */
+void GasCellsNear(const GasCells *cells, Cloud cloud, const GasMask set[], PetscInt a, GasVisitor visit, void *context);
 
 /* The force of a pocket of unit pressure on a dummy particle of a wall or solid, m^(dim - 1): the sum over the pocket's
    cells of 6 s (1 - f) V grad W, f how far a cell is filled, s how far by walls and solids. On a dry wall, s = f, it is
@@ -81,11 +98,9 @@ static inline PetscInt GasCellsNode(const GasCells *cells, PetscInt i, PetscInt 
   return block * cells->per + ((((k & ((1 << s[2]) - 1)) << s[1]) + (j & ((1 << s[1]) - 1))) << s[0]) +
          (i & ((1 << s[0]) - 1));
 }
-/* GasCellsPlace - the cell of a node; of an empty block its first. GasCellsVolume - the volume of a cell, of rings the
-   whole (m3). GasCellsRange - the cells whose middles lie within 'reach' (m) of x (m); false: there are none. Not
-   collective. */
+/* GasCellsPlace - the cell of a node; of an empty block its first. GasCellsRange - the cells whose middles lie within
+   'reach' (m) of x (m); false: there are none. Not collective. */
 void      GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM]);
-PetscReal GasCellsVolume(const GasCells *cells, Domain domain, PetscInt i);
 PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
                         PetscInt first[DIM], PetscInt last[DIM]);
 
@@ -118,9 +133,10 @@ typedef struct {
 
 /* Pockets and the cells by which they are found. */
 typedef struct {
-  GasCells  cells;
+  GasCells *cells;
   PetscInt  count;
   Pocket    pocket[GAS_MOST + 1]; /* from 1 on */
+  PetscReal moved;                /* spacings by which what is beside them has moved since the cells were filled */
   PetscReal liquid;               /* all that there was, m^dim (m3 of rings) */
 } Pockets;
 
@@ -130,6 +146,13 @@ typedef struct {
   PetscInt  row, pocket;
   PetscReal closure, share, slope[DIM], bend[DIM], area[DIM];
 } GasRow;
+
+/* How fast pocket 'pocket', from 1 on, grows (m3/s) if 'particle' moves by a unit velocity, m^(dim - 1), and if its
+   ring gets longer by a unit of its length, m^dim: the derivative of the sums of the cells. */
+typedef struct {
+  PetscInt  particle, pocket;
+  PetscReal area[DIM], lengthened;
+} GasArea;
 
 /* Row 'row' of this rank is beside the particle 'gap', a row that sees neither gas nor air, although its neighbourhood
    has gaps. */
@@ -143,8 +166,10 @@ typedef struct {
   PetscReal ambient, exponent, start;      /* Pa; p V^exponent is constant; Pa, of the pockets of the start */
   Cloud     cloud;                         /* borrowed */
   Pressure  pressure;                      /* borrowed */
-  Pockets   now, before;                   /* of this trial; of the last step */
+  GasCells  cells[2];
+  Pockets   now, before; /* of this trial; of the last step */
   PetscBool before_known, found, solved;
+  PetscBool same;                       /* those of this trial are those of the last step, with its cells */
   PetscBool crowded, said;              /* there are more than GAS_MOST regions; the run has said so */
   PetscInt  idle;                       /* steps since pockets were looked for */
   PetscInt  born, split, merged, ended; /* in this step */
@@ -152,6 +177,8 @@ typedef struct {
   PetscInt  layout;                     /* of the cloud, when the rows were found */
   PetscInt  rows, rows_capacity, gaps, gaps_capacity;
   GasRow   *row;
+  PetscInt  areas, areas_capacity;
+  GasArea  *area;
   PetscInt  gapped, ties, ties_capacity; /* gaps of all ranks */
   PetscInt *gap;
   GasTie   *tie;
@@ -169,8 +196,10 @@ static inline Gas *GasOf(Stepper stepper)
 }
 
 /* GasFind - finds the regions without liquid at the positions of the cloud, and gives pockets what pockets before had.
-   Collective. GasSwap - the pockets now become those before. Not collective. */
+   GasKeep - or takes over what was found last, if nothing beside the pockets has moved far since. Collective. GasSwap -
+   the pockets now become those before. Not collective. */
 PetscErrorCode GasFind(Gas *gas);
+PetscErrorCode GasKeep(Gas *gas, PetscBool *kept);
 void           GasSwap(Gas *gas);
 
 /* --- couple.c --- */

@@ -228,9 +228,21 @@ PetscBool PressureYields(Pressure pressure)
   return PETSC_FALSE;
 }
 
+PetscErrorCode PressureNumber(Pressure pressure)
+{
+  PetscFunctionBegin;
+  PetscCall(RowsNumber(pressure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt PressureParent(Pressure pressure, PetscInt a)
+{
+  return a < pressure->cloud->n_rows ? a : ParentRow(pressure, a);
+}
+
 PetscInt PressureRow(Pressure pressure, PetscInt a)
 {
-  const PetscInt row = a < pressure->cloud->n_rows ? a : ParentRow(pressure, a);
+  const PetscInt row = PressureParent(pressure, a);
 
   return pressure->pair_diagonal[row] == 0 ? -1 : row;
 }

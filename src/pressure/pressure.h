@@ -124,14 +124,17 @@ typedef struct {
                           PetscReal y[]);
 } LowRank;
 
-/* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureRow - the
-   local row of owned particle a, that of its parent for a deeper wall particle; -1: it has no pairs. PressureRowScale -
-   the masses (kg) of the rows count times this (1/kg). Not collective. PressureLoad, PressureYield - the hooks of all
-   terms; PressureYields - whether a term has 'yield'. Collective. */
+/* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureParent -
+   the local row of owned particle a, that of its parent for a deeper wall particle; PressureRow - the same; -1: it has
+   no pairs. PressureRowScale - the masses (kg) of the rows count times this (1/kg). Not collective. PressureNumber -
+   finds the rows of the cloud's present order, which PressureParent needs before a solve. PressureLoad, PressureYield -
+   the hooks of all terms; PressureYields - whether a term has 'yield'. Collective. */
 PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context);
 PetscErrorCode PressureLoad(Pressure pressure, PetscReal force[]);
 PetscErrorCode PressureYield(Pressure pressure, const PetscReal force[], PetscReal acceleration[], PetscReal y[]);
 PetscBool      PressureYields(Pressure pressure);
+PetscErrorCode PressureNumber(Pressure pressure);
+PetscInt       PressureParent(Pressure pressure, PetscInt a);
 PetscInt       PressureRow(Pressure pressure, PetscInt a);
 PetscReal      PressureRowScale(Pressure pressure);
 /* PressureCloses - whether the row of fluid particle a is near a free surface, so that it may be closed.

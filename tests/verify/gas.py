@@ -113,6 +113,16 @@ for column in ("volume", "pressure", "amount", "x"):
     values = [pockets(folder)[column][-1] for folder in (halves, again)]
     runs.check(values[0] == values[1], f"restart_keeps_{column}", f"{values}")
 
+# cells that are kept for some steps against cells that are filled anew, as they are after each checkpoint: of a bubble
+# that breathes (the short relaxation time makes it follow its cells), and of one that moves by 0.3 spacings a step
+for name, options, most in (("breathing", "-pressure_relaxation_time 1e-3 -time_end 8e-3 ", 0.025),
+                            ("moving", "-shell_velocity 3,1 -time_end 2e-3 ", 0.025)):
+    kept, anew = (pockets(runs.run(PLANE + options + f"-checkpoint_interval {interval}", f"{name}_{way}"))
+                  for way, interval in (("kept", 0), ("anew", 1e-4)))
+    for column in ("volume", "pressure"):
+        runs.check_below(abs(kept[column] - anew[column]).max() / np.ptp(anew[column]), most,
+                         f"kept_cells_of_a_{name}_bubble_have_its_{column}")
+
 # eight metres of liquid fall on two metres of gas
 COLUMN = """-dimension 2 -spacing 0.25 -box_lower 0,0 -box_upper 2.5,20 -box_x symmetry -box_ymin wall -bodies water
  -water_lower 0,2 -water_upper 2.5,10 -water_viscosity 0 -gravity 0,-9.81 -gas -gauge_pockets -series_interval 0
