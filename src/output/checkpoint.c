@@ -282,7 +282,9 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
     *verdict = FILE_FOREIGN;
   else if (H5FileGetInt(&h5, "format_version", &version) && version != CHECKPOINT_VERSION)
     *verdict = FILE_OTHER_VERSION;
-  else if (HeadRead(&h5, head) && seal == SEAL_GOOD) {
+  else if (seal == SEAL_GOOD && !HeadRead(&h5, head)) /* numbers came or went since it was written */
+    *verdict = FILE_OTHER_VERSION;
+  else if (seal == SEAL_GOOD) {
     (void)H5FileGetText(&h5, SCENE, texts->scene, HEAD_TEXT);
     (void)H5FileGetText(&h5, "options", texts->options, HEAD_TEXT);
     *verdict = FILE_GOOD;
@@ -323,8 +325,8 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
   PetscCheckUser(verdict != FILE_FOREIGN, comm,
                  "%s is not a checkpoint of this program; restart from a file named checkpoint_<step>.h5.", file);
   PetscCheckUser(verdict != FILE_OTHER_VERSION, comm,
-                 "The checkpoint %s has another format than version %d, which this program reads.", file,
-                 CHECKPOINT_VERSION);
+                 "The checkpoint %s is of another version of the program; continue with the version that wrote it.",
+                 file);
   PetscCheckUser(verdict != FILE_BROKEN, comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   PetscCheckUser(head->dimension == domain->dim, comm, "The checkpoint %s has %d dimensions, the scene has %d.", file,
