@@ -42,7 +42,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   /* r^{n+1} = r^{n+1/2} + dt/2 v^{n+1} */
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   /* r^{n+1} += dr, v^{n+1} += (dr.grad) v* */
-  if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, dt));
+  if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, stepper->guard, dt));
   /* no particle inside a wall */
   PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,9 +14,45 @@ static PetscReal Strengthening(const Shifting *shifting, PetscReal crowding)
   return PetscMin(DISORDERED_MOST, 1 + crowding / shifting->disorder);
 }
 
+/* Shortens dr along the normal n (1) of a wall, which is 'gap' (m) away from where the guard keeps particles: that far
+   it may lead to the wall. */
+static void ShortenAt(PetscReal gap, const PetscReal n[DIM], PetscReal dr[DIM])
+{
+  const PetscReal beyond = PetscMin(0, Dot(dr, n) + PetscMax(0, gap));
+
+  for (PetscInt d = 0; d < DIM; d++) dr[d] -= beyond * n[d];
+}
+
+/* Takes from the shift dr of particle a what the guard would take back. It left the particle where it was but with the
+   Taylor term of the velocity: a particle at a floor, with liquid on one side alone, went faster in each step. */
+static void ShortenAtWalls(Cloud cloud, PetscReal guard, PetscInt a, PetscReal dr[DIM])
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION_NEW] + DIM * a, least = guard * domain->spacing;
+
+  for (PetscInt d = 0; d < domain->dim; d++)
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscReal at     = side ? domain->upper[d] : domain->lower[d];
+      PetscReal       n[DIM] = {0, 0, 0};
+
+      if (domain->face[d][side] != FACE_WALL) continue;
+      n[d] = side ? -1 : 1;
+      ShortenAt(n[d] * (x[d] - at) - least * cloud->size[a], n, dr);
+    }
+  if (SceneSolidCount(cloud->scene)) {
+    const PetscReal reach = least + Norm(dr), distance = SceneSolidWithin(cloud->scene, reach, x, NULL);
+    PetscReal       n[DIM];
+
+    if (distance >= reach) return;
+    SceneSolidNormal(cloud->scene, x, n);
+    ShortenAt(distance - least, n, dr);
+  }
+}
+
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
    CAP spacings; particles on or near the surface lose the component along sum V grad W. */
-static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal dt, PetscInt a, PetscReal dr[DIM])
+static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal guard, PetscReal dt, PetscInt a,
+                         PetscReal dr[DIM])
 {
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
   const PetscReal  size = cloud->size[a], h = size * KernelSmoothingLength(cloud->kernel),
@@ -39,6 +75,7 @@ static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal dt, Pe
   }
   if (length > cap)
     for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
+  ShortenAtWalls(cloud, guard, a, dr);
 }
 
 /* The first Taylor term of the velocity, (dr . B grad) u, of the fluid around a. */
@@ -52,7 +89,7 @@ static void TaylorTerm(Cloud cloud, PetscInt a, const PetscReal dr[DIM], PetscRe
 }
 
 /* Plain shifting, in one pass. */
-static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscReal dt)
+static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscReal guard, PetscReal dt)
 {
   PetscReal *x = cloud->field[FIELD_POSITION_NEW], *v = cloud->field[FIELD_VELOCITY_NEW];
 
@@ -61,7 +98,7 @@ static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscRea
     PetscReal dr[DIM], change[DIM];
 
     if (cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA) continue;
-    DesiredShift(cloud, shifting, dt, a, dr);
+    DesiredShift(cloud, shifting, guard, dt, a, dr);
     TaylorTerm(cloud, a, dr, change);
     for (PetscInt d = 0; d < DIM; d++) {
       x[DIM * a + d] += dr[d];
@@ -104,7 +141,7 @@ static void Displace(Cloud cloud, const PetscReal desired[], const PetscReal wei
 }
 
 /* Conserved shifting: neighbours lose what a particle gains. */
-static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, PetscReal dt)
+static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, PetscReal guard, PetscReal dt)
 {
   PetscReal *x = cloud->field[FIELD_POSITION_NEW], *v = cloud->field[FIELD_VELOCITY_NEW], *weight, *desired, *change;
 
@@ -116,7 +153,7 @@ static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, Pets
   PetscCall(OperatorsCompensationWeights(cloud, weight));
   PetscCall(PetscArrayzero(desired, DIM * cloud->n_owned));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (weight[a] > 0) DesiredShift(cloud, shifting, dt, a, desired + DIM * a);
+    if (weight[a] > 0) DesiredShift(cloud, shifting, guard, dt, a, desired + DIM * a);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, desired));
   Displace(cloud, desired, weight, change);
   PetscCall(CloudUpdate(cloud, FIELD_POSITION_NEW));
@@ -128,14 +165,14 @@ static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Shift(Cloud cloud, const Shifting *shifting, PetscReal dt)
+PetscErrorCode Shift(Cloud cloud, const Shifting *shifting, PetscReal guard, PetscReal dt)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
   if (shifting->conserved)
-    PetscCall(ShiftConserved(cloud, shifting, dt));
+    PetscCall(ShiftConserved(cloud, shifting, guard, dt));
   else
-    PetscCall(ShiftPlain(cloud, shifting, dt));
+    PetscCall(ShiftPlain(cloud, shifting, guard, dt));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SHIFT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,14 +6,18 @@
 #include "setup.h"
 #include "check.h"
 
-#define DT   0.02 /* s */
-#define CAP  0.1  /* spacings, of a shift */
-#define SLOW 1e-2 /* m/s, of neighbours that are shifted by less than that */
-#define DROP "-spacing 1 -packing_jitter 0.25 -bodies a -a_shape sphere -a_radius 4.3 "
+#define DT    0.02 /* s */
+#define CAP   0.1  /* spacings, of a shift */
+#define GUARD 0.5  /* spacings from walls, to which a shift may lead */
+#define SLOW  1e-2 /* m/s, of neighbours that are shifted by less than that */
+#define DROP  "-spacing 1 -packing_jitter 0.25 -bodies a -a_shape sphere -a_radius 4.3 "
 #define TWO                                                                                                            \
   "-spacing 1 -packing_jitter 0.25 -box_lower -9,-9,-9 -box_upper 9,9,9 -bodies a,b -a_lower -4,-4,-4 -a_upper 4,4,0 " \
   "-b_lower -4,-4,0 -b_upper 4,4,3 -b_density 300 "
 #define FLAT "-dimension 2 -spacing 1 -packing_jitter 0.25 -box_lower -9,-9 -box_upper 9,9 -bodies a -a_radius 6 "
+#define POST                                                                                                           \
+  "-dimension 2 -spacing 1 -packing_jitter 0.25 -box_lower 0,0 -box_upper 42,12 -box_xmin wall -box_ymin wall "        \
+  "-bodies a -a_upper 41,11 -solids s -s_shape sphere -s_center 6,6 -s_radius 2 "
 #define ROUND                                                                                                          \
   "-spacing 1 -packing_jitter 0.25 -box_lower 0,0,0 -box_upper 9,8,8 -box_x periodic -box_y periodic -box_z periodic " \
   "-bodies a "
@@ -73,7 +77,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   Sums(cloud, cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_VELOCITY_NEW], before);
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_NEW], PETSC_TRUE, 0, NULL,
                                 cloud->field[FIELD_VELOCITY_GRADIENT], cloud->field[FIELD_VELOCITY_JUMP]));
-  PetscCall(Shift(cloud, &conserved, DT));
+  PetscCall(Shift(cloud, &conserved, GUARD, DT));
   Sums(cloud, cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_VELOCITY_NEW], after);
   for (PetscInt i = 0; i < turns; i++) {
     static const char *const what[] = {"centre", "momentum", "angular_momentum"};
@@ -115,7 +119,7 @@ static PetscErrorCode ShiftFromHere(Cloud cloud, const Shifting *shifting)
 {
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_POSITION], DIM * cloud->n_owned));
-  PetscCall(Shift(cloud, shifting, DT));
+  PetscCall(Shift(cloud, shifting, GUARD, DT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,6 +163,49 @@ static PetscErrorCode CheckPlain(PetscReal rate)
   CHECK_CLOSE(SetupMax(longest) / CAP, rate > 1 ? 1 : 0.5, rate > 1 ? 1e-12 : 0.49, "plain_shift_is_capped");
   CHECK_CLOSE(SetupMax(off), 0, 1e-12, "plain_shift_of_the_surface_is_along_it");
   CHECK_CLOSE(SetupMax(wrong), 0, 1e-12 * rate, "plain_shift_keeps_a_linear_velocity");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Distance of x from the walls and the post, in spacings. */
+static PetscReal WallDistance(Cloud cloud, const PetscReal x[DIM])
+{
+  return PetscMin(PetscMin(x[0], x[1]), SceneSolidDistance(cloud->scene, x, NULL));
+}
+
+/* Beside walls no shift leads closer than the guard lets. In a shear flow over the floor, where the others get a
+   velocity by the shift across it, what is stopped there gets none: it is beside where it was. */
+static PetscErrorCode CheckWalls(void)
+{
+  const Shifting plain  = {PETSC_TRUE, PETSC_FALSE, 2, 0};
+  PetscReal      closer = 0, given = 0, stopped = 0;
+  Setup          s;
+  Cloud          cloud;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(POST, &s));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  for (PetscInt a = 0; a < cloud->n_total; a++)
+    for (PetscInt d = 0; d < DIM; d++)
+      cloud->field[FIELD_VELOCITY_NEW][DIM * a + d] = d ? 0 : cloud->field[FIELD_POSITION][DIM * a + 1];
+  PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY_NEW], PETSC_TRUE, 0, NULL,
+                                cloud->field[FIELD_VELOCITY_GRADIENT], cloud->field[FIELD_VELOCITY_JUMP]));
+  PetscCall(ShiftFromHere(cloud, &plain));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, before = WallDistance(cloud, x),
+                    after = WallDistance(cloud, cloud->field[FIELD_POSITION_NEW] + DIM * a);
+    PetscReal dr[DIM];
+
+    ShiftOf(cloud, a, dr);
+    closer = PetscMax(closer, PetscMin(before, GUARD) - after);
+    if (before < x[1] || x[1] > GUARD || dr[1] != 0) continue;
+    stopped++;
+    given = PetscMax(given, PetscAbsReal(cloud->field[FIELD_VELOCITY_NEW][DIM * a] - x[1]) / PetscAbsReal(dr[0]));
+  }
+  CHECK_CLOSE(SetupMax(closer), 0, 1e-3, "walls_stop_a_shift"); /* the post is round */
+  CheckTrue(SetupSum(stopped) > 3, "a_floor_stops_some");
+  CHECK_CLOSE(SetupMax(given), 0, 0.1, "what_is_stopped_gets_no_velocity");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -232,6 +279,7 @@ int main(int argc, char **argv)
   PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
   PetscCall(CheckPlain(1));
   PetscCall(CheckPlain(100));
+  PetscCall(CheckWalls());
   PetscCall(CheckDisorder());
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
