@@ -56,12 +56,48 @@ static PetscErrorCode MakeRoom(Emissions *emissions, Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The liquid in emitters pushes: it has its velocity at the end of the step whatever the pressure. */
+/* Particle a has the velocity of an emitter's liquid at the end of the step. */
+static void Push(Stepper stepper, Emissions *emissions, PetscInt a, Body body, PetscReal dt)
+{
+  const Cloud     cloud  = StepperCloud(stepper);
+  const PetscReal mass   = cloud->rest_density[a] * cloud->volume[a];
+  PetscReal      *v_star = cloud->field[FIELD_VELOCITY_STAR];
+  Pushed         *p      = &emissions->pushed[emissions->count++];
+
+  p->a = a;
+  BodyFillingVelocity(body, StepperTime(stepper) + dt, cloud->field[FIELD_POSITION] + DIM * a, p->v);
+  for (PetscInt d = 0; d < DIM; d++) {
+    const PetscInt k = DIM * a + d;
+
+    emissions->work += 0.5 * mass * (p->v[d] - v_star[k]) * (cloud->field[FIELD_VELOCITY][k] + p->v[d]);
+    v_star[k] = p->v[d];
+    p->x[d]   = cloud->field[FIELD_POSITION][k] + (emissions->half ? 0.5 : 1) * dt * p->v[d];
+  }
+}
+
+/* The emitter in whose liquid particle a of another body is, away from free surfaces; NULL: it is not in one. */
+static Body Enclosing(Cloud cloud, PetscInt a)
+{
+  PetscBool beside = PETSC_FALSE;
+
+  if (CloudPushes(cloud, a) || cloud->integer[INT_SURFACE][a]) return NULL;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && !beside; k++)
+    beside = CloudPushes(cloud, cloud->list[k]);
+  for (PetscInt b = 0; b < SceneCount(cloud->scene) && beside; b++) {
+    const Body body = SceneBody(cloud->scene, b);
+
+    if (BodyComesLater(body) && BodyHolds(body, cloud->field[FIELD_POSITION] + DIM * a, 0)) return body;
+  }
+  return NULL;
+}
+
+/* The liquid in emitters pushes: it has its velocity at the end of the step whatever the pressure. So has what got
+   among it: beside liquid that pushes and walls alone its pressure would have no equation (a weir stopped by it). */
 static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 {
   Emissions *emissions = Of(stepper);
   Cloud      cloud     = StepperCloud(stepper);
-  PetscReal *v_star    = cloud->field[FIELD_VELOCITY_STAR];
+  PetscInt   own;
 
   PetscFunctionBegin;
   emissions->count = 0;
@@ -69,27 +105,21 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   if (emissions->frozen || !PressureTakesDivergence(StepperPressure(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeRoom(emissions, cloud));
   PetscCall(PetscArrayzero(emissions->pushing, cloud->n_total));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (PressureHolds(StepperPressure(stepper), a))
+      Push(stepper, emissions, a, SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), dt);
+  own = emissions->count;
+  for (PetscInt k = 0; k < own; k++) emissions->pushing[emissions->pushed[k].a] = 1;
+  PetscCall(CloudUpdateIntArray(cloud, emissions->pushing));
+  cloud->pushing = emissions->pushing;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal mass = cloud->rest_density[a] * cloud->volume[a];
-    Pushed         *p    = &emissions->pushed[emissions->count];
+    const Body body = Enclosing(cloud, a);
 
-    if (!PressureHolds(StepperPressure(stepper), a)) continue;
-    emissions->count++;
-    emissions->pushing[a] = 1;
-    p->a                  = a;
-    BodyFillingVelocity(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), StepperTime(stepper) + dt,
-                        cloud->field[FIELD_POSITION] + DIM * a, p->v);
-    for (PetscInt d = 0; d < DIM; d++) {
-      const PetscInt k = DIM * a + d;
-
-      emissions->work += 0.5 * mass * (p->v[d] - v_star[k]) * (cloud->field[FIELD_VELOCITY][k] + p->v[d]);
-      v_star[k] = p->v[d];
-      p->x[d]   = cloud->field[FIELD_POSITION][k] + (emissions->half ? 0.5 : 1) * dt * p->v[d];
-    }
+    if (body) Push(stepper, emissions, a, body, dt);
   }
+  for (PetscInt k = own; k < emissions->count; k++) emissions->pushing[emissions->pushed[k].a] = 1;
   PetscCall(CloudUpdateIntArray(cloud, emissions->pushing));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
-  cloud->pushing = emissions->pushing;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

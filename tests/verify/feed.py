@@ -1,12 +1,16 @@
 #!/usr/bin/python3
 """An emitter whose speed is a table (-<b>_velocity_file): the liquid that has come is the integral of the table, to one
-filling, also where the flow stops, and the liquid inside has the table's speed."""
+filling, also where the flow stops, and the liquid inside has the table's speed. What gets among the liquid of an
+emitter, between it and a wall, goes with it."""
 import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
+import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
+import states  # noqa: E402
 
 WIDE, ROW = 0.1, 0.02  # m
 TABLE = np.array([(0.0, 1.0), (0.2, 2.0), (0.3, 0.0), (0.4, 0.0), (0.6, 0.5)])
@@ -33,4 +37,28 @@ for text, word in (("0,1\n0.1,-1\n", "takes no liquid back"), ("0,1\n", "two lin
     said = process.stdout + process.stderr
     refused = process.returncode != 0 and word in said and said.count("isph: error") == 1
     runs.check(refused, f"refused: {word}", said[-300:])
+
+CHANNEL = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.5 -box_xmin wall -box_ymin wall -gravity 0,-9.81
+ -bodies water,feed -water_lower 0.12,0 -water_upper 1,0.3 -water_velocity 0.3,0 -feed_type emitter -feed_upper 0.12,0.3
+ -feed_velocity 0.3,0 -series_interval 0 -snapshot_interval 0 """
+started = runs.numbered(runs.run(CHANNEL + "-steps_max 10", "channel"), "checkpoint")[-1]
+changed = runs.scratch("among.h5")
+with open(started, "rb") as file:
+    whole = file.read()[:-24]  # without the seal
+with open(changed, "wb") as file:
+    file.write(whole)
+with h5py.File(changed, "r+") as file:
+    x, body = file["position"][:], file["body"][:]
+    feed = int(body[(x[:, 0] > 0) & (x[:, 0] < 0.1)].max())
+    inside = np.flatnonzero((body == feed) & (file["surface"][:] == 0))
+    among = inside[np.hypot(x[inside, 0] - 0.05, x[inside, 1] - 0.1).argmin()]
+    name = file["id"][among]
+    file["body"][among] = 1 - feed
+states.seal(changed)
+folder = runs.run(CHANNEL + f"-steps_max 10 -restart {changed}", "among")
+f = runs.fields(runs.numbered(folder, "checkpoint")[-1])
+at = f["id"] == name
+runs.check(np.allclose(f["velocity"][at][:, :2], (0.3, 0)), "what is among an emitter's liquid goes with it",
+           f["velocity"][at])
+runs.check_below(np.abs(f["pressure"]).max(), 2 * 1000 * 9.81 * 0.3, "its pressure")
 runs.done()
