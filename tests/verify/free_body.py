@@ -77,9 +77,9 @@ runs.check(0.6 < shares[0] < 0.85 and 0.4 < shares[1] < 0.6, "the box is slowed 
 runs.check_within(shares[2] / shares[1], 0.97, 1.03, "explicit and implicit honey slow it alike")
 # A drop hits a body that nothing else holds: they keep their momentum together, in the mean of three packings. A box
 # takes up what its guard stops. A sheet that wraps a circle is wrong by more: what its pressure loses inside the liquid
-# counts for the circle's; it is 0.044 to 0.056, and half of that with half the step.
+# counts for the circle's; it is 0.044 to 0.058 in versions of the program, and half of that with half the step.
 for name, shape, most in (("box", "-hit_lower 0.4,0.2 -hit_upper 0.65,0.4", 0.012),
-                          ("circle", "-hit_shape sphere -hit_radius 0.1 -hit_center 0.5,0.3", 0.055)):
+                          ("circle", "-hit_shape sphere -hit_radius 0.1 -hit_center 0.5,0.3", 0.06)):
     for mass in (0.0628, 31.4, 314):
         lost = []
         for seed in (1, 2, 3):
