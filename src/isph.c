@@ -85,6 +85,7 @@ static int Start(MPI_Comm *comm, int handle)
 {
   int begun = 0, relation;
 
+  DisplaysIgnore();
   (void)MPI_Initialized(&begun);
   if (!begun && MPI_Init(NULL, NULL)) return Refuse("MPI cannot start");
   StartedMPI = (PetscBool)(StartedMPI || !begun);

@@ -2,7 +2,7 @@
 import os
 
 ANY = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
-       "OMP_NUM_THREADS": "1"}
+       "OMP_NUM_THREADS": "1", "HWLOC_COMPONENTS": "-gl"}  # an X server that ends would end mpiexec
 ALONE = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self", "OMPI_MCA_ess_singleton_isolated": "1"}
 
 

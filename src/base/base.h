@@ -176,6 +176,10 @@ PetscErrorCode RanksMeet(MPI_Comm meeting, PetscBool failed, PetscMPIInt *first,
 void ProgramStart(void);
 void InterruptBlock(void);
 void InterruptWatch(void);
+/* DisplaysIgnore - call it before MPI_Init. Open MPI's look at the machine (hwloc) asks the X servers 0 to 9 for
+   graphics cards, and a server that ends meanwhile ends the program. HWLOC_COMPONENTS of the user's stays. Not
+   collective. */
+void DisplaysIgnore(void);
 /* ProgramSeconds - wall-clock time since ProgramStart (s). Not collective. */
 double ProgramSeconds(void);
 /* ProcessorsCrowded - whether this host's ranks, of several, and the programs that ran before the start are more than

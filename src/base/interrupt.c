@@ -172,11 +172,17 @@ static void GiveBackMemory(void)
 #endif
 }
 
+void DisplaysIgnore(void)
+{
+  (void)setenv("HWLOC_COMPONENTS", "-gl", 0);
+}
+
 void ProgramStart(void)
 {
   (void)clock_gettime(CLOCK_MONOTONIC, &Start);
   GiveBackMemory();
   ShareProcessors();
+  DisplaysIgnore();
   KilledSoon = (PetscBool) !!getenv("OMPI_COMM_WORLD_SIZE");
   /* A file of the run must not get the descriptor of a closed standard stream. */
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)

@@ -38,10 +38,8 @@ def compare(options, state="", ranks=1):
             file.write(options)
         command = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
         command += [PROGRAM, "-options_file", path] + (["-state", os.path.abspath(state)] if state else [])
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                           OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1")
-        return subprocess.run(command, cwd=runs.ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, universal_newlines=True, check=False)
+        return subprocess.run(command, cwd=runs.ROOT, env=dict(os.environ, **runs.mpi.ANY), stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, check=False)
 
 
 def main():
