@@ -422,13 +422,15 @@ def scenes(number, rng):
         runs.check(len(said) == 1 and ("start of a run only" in said[0]) == ("packing" in options),
                    f"a restart says {options}", out[:300])
     older = runs.scratch("older.h5")
-    unsealed(good, older)
-    with h5py.File(older, "r+") as file:
-        del file.attrs["lost"]
-    seal(older)
-    shutil.rmtree(folder, ignore_errors=True)
-    code, _, err = attempt(SCENE + f"-steps_max 1 -restart {older} -output_dir {folder}", 1)
-    judge("other scene", "of another version", code, err, "refused", folder, ("another version",))
+    for name, change in (("without a number", lambda attributes: attributes.pop("lost")),
+                         ("of a format to come", lambda attributes: attributes.modify("format_version", 99))):
+        unsealed(good, older)
+        with h5py.File(older, "r+") as file:
+            change(file.attrs)
+        seal(older)
+        shutil.rmtree(folder, ignore_errors=True)
+        code, _, err = attempt(SCENE + f"-steps_max 1 -restart {older} -output_dir {folder}", 1)
+        judge("other scene", name, code, err, "refused", folder, ("another version",))
     folder = runs.run(SCENE + f"-box_ymin_velocity 3,0 -steps_max 1 -restart {good}", "moving")
     with h5py.File(runs.numbered(folder, "checkpoint")[-1], "r") as file:
         wall = file["body"][:] == -1
