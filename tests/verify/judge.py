@@ -45,6 +45,12 @@ row = np.array([[x, 0, 0] for x in (9, 0, 1, 2, 3.2, 4.2)])
 runs.check(list(physics.components(row, 1.1)) == [2, 0, 0, 0, 1, 1], "pieces", physics.components(row, 1.1))
 grown = physics.components(row, 1.1, np.array([1, 1, 1, 1.2, 1.2, 1]))
 runs.check(list(grown) == [1, 0, 0, 0, 0, 0], "pieces_of_two_sizes", grown)
+plane, halves = {"axisymmetric": 0}, np.array([0.5, 0.5])
+for name, last, wanted in (("joined", [1.0], True), ("went", [0.5], False)):
+    result = physics.lost(plane, {"id": np.arange(2), "volume": halves}, {"id": np.arange(1), "volume": np.array(last)})
+    runs.check(result.passed() is wanted, f"half_of_two_sizes_that_{name}", result.words())
+runs.check(physics.lost(plane, {"id": np.arange(2)}, {"id": np.arange(1)}).passed() is False, "half_that_went",
+           "it passed")
 line = [physics.relative("a", 5 + 2 * s, 5, 1) for s in (0.4, 0.2, 0.1)]
 runs.check(runner.extrapolated(line, (0.4, 0.2, 0.1)) == "5", "extrapolated",
            runner.extrapolated(line, (0.4, 0.2, 0.1)))

@@ -121,9 +121,11 @@ def places(head, f):
 
 
 def lost(head, first, last):
-    """Result: the particles lost between two snapshots; of rings, which join and split, the share of their volume."""
-    if rings(head):
-        return at_most("volume lost, share", 1 - last["volume"].sum() / first["volume"].sum(), 1e-3)
+    """Result: the particles lost between two snapshots; where they join and split, as rings and those of several sizes
+    do, the share of their volume."""
+    if "volume" in first:
+        share = 1 - last["volume"].sum(dtype=float) / first["volume"].sum(dtype=float)
+        return at_most("volume lost, share", share, 1e-3 if rings(head) else 1e-6)
     return at_most("particles lost", len(first["id"]) - len(last["id"]), 0)
 
 
