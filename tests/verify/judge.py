@@ -130,6 +130,23 @@ for measured in (0.9, 1.7, 2.3):
 other = runner.Outcome(entry._replace(named="other"), [physics.at_most("a", 2, 1)]).rows({})
 runs.check(other[0]["pass"] == misses.FAILED, "named_parts_are_judged", other)
 
+# a table that is written anew: what ran takes the place of what stood there, what did not run stays
+couette = next(e for e in cases.ENTRIES if e.id == "couette")
+TABLE = runs.scratch("table.md")
+with open(TABLE, "w", encoding="utf-8") as file:
+    file.write("""<!-- verify -->
+| case | quantity | default scheme | expected | tolerance | within | as printed |
+| --- | --- | --- | --- | --- | --- | --- |
+| couette | a | 5 | - | at most 1 | NO | 3 (!) |
+|  | went | 0 | - | at most 0 | yes | - |
+|  | printed alone | - | - | at most 1 | - | 0.5 |
+<!-- /verify -->""")
+for of, wanted in ((couette, [["a", "0.7", "yes", "3 (!)"], ["printed alone", "-", "-", "0.5"]]),
+                   (couette._replace(printed=True), [["a", "5", "NO", "0.7"], ["went", "0", "yes", "-"]])):
+    lines = runner.side_by_side(runner.Outcome(of, [physics.at_most("a", 0.7, 1)]).rows({}), TABLE).splitlines()
+    found = [[line.split("|")[k].strip() for k in (2, 3, 6, 7)] for line in lines[2:] if line.startswith("|")]
+    runs.check(found == wanted, f"rows_that_stay_beside_{of.scheme.partition(' ')[0]}", found)
+
 
 def refused(*lines):
     """What misses.read says of a file with these lines."""

@@ -333,14 +333,16 @@ def lines_in(path):
 
 def keep_scheme(lines, old, ran):
     """Into the lines of an entry, what its old ones say of a scheme that is not among those that ran."""
+    default, printed = (scheme in ran for scheme in cases.SCHEMES)
     for before in old:
         line = next((line for line in lines if line[1] == before[1]), None)
-        if line is None and not ran >= set(cases.SCHEMES):
-            lines.append(["", *before[1:]])
-        elif line and "default" not in ran:
-            line[0], line[2], line[5] = before[0], before[2], before[5]
-        elif line and len(ran) < len(cases.SCHEMES):
-            line[6] = before[6]
+        measured, word, beside = *(("-", "-") if default else (before[2], before[5])), "-" if printed else before[6]
+        if line is None and (measured, beside) != ("-", "-"):
+            lines.append(["", before[1], measured, *before[3:5], word, beside])
+        elif line and not default:
+            line[0], line[2], line[5] = before[0], measured, word
+        elif line and not printed:
+            line[6] = beside
 
 
 def side_by_side(rows, path):
