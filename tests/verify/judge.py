@@ -140,12 +140,19 @@ with open(TABLE, "w", encoding="utf-8") as file:
 | couette | a | 5 | - | at most 1 | NO | 3 (!) |
 |  | went | 0 | - | at most 0 | yes | - |
 |  | printed alone | - | - | at most 1 | - | 0.5 |
+
+from runs among abcdef0 (2026-01-01).
 <!-- /verify -->""")
 for of, wanted in ((couette, [["a", "0.7", "yes", "3 (!)"], ["printed alone", "-", "-", "0.5"]]),
                    (couette._replace(printed=True), [["a", "5", "NO", "0.7"], ["went", "0", "yes", "-"]])):
     lines = runner.side_by_side(runner.Outcome(of, [physics.at_most("a", 0.7, 1)]).rows({}), TABLE).splitlines()
     found = [[line.split("|")[k].strip() for k in (2, 3, 6, 7)] for line in lines[2:] if line.startswith("|")]
     runs.check(found == wanted, f"rows_that_stay_beside_{of.scheme.partition(' ')[0]}", found)
+    runs.check("abcdef0" in lines[-1], f"version_of_what_stays_beside_{of.scheme.partition(' ')[0]}", lines[-1])
+every = [row for e in cases.ENTRIES if e.case == "couette"
+         for row in runner.Outcome(e, [physics.at_most("a", 0.7, 1)]).rows({})]
+runs.check("abcdef0" not in runner.side_by_side(every, TABLE), "no_version_of_which_nothing_stays",
+           runner.side_by_side(every, TABLE)[-200:])
 
 
 def refused(*lines):

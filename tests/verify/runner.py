@@ -354,6 +354,9 @@ def side_by_side(rows, path):
     for name in new:
         keep_scheme(new[name], lines.get(name, []), {row["scheme"] for row in rows if name_of(row) == name})
     lines = [line for name in names for line in new.get(name) or lines.get(name, [])]
+    due = {e.id for e in cases.ENTRIES if e.case == rows[0]["case"] and e.scheme in cases.SCHEMES}
+    if due <= {row["id"] for row in rows}:
+        versions = []  # no figure of a former run is left
     versions = sorted({f"{row['version']} ({row['date']})" for row in rows} | set(versions))
     printed = [line[6].endswith("(!)") for line in lines if "-" not in (line[4], line[6])]
     beside = f" As printed: {printed.count(False)} within tolerance, {printed.count(True)} beyond." if printed else ""
