@@ -21,6 +21,7 @@ import sys
 with open(os.environ["NOTES"], "a", encoding="utf-8") as notes:
     notes.write(json.dumps(sys.argv[1:]) + "\\n")
 """
+HAVE = "#!/bin/sh\nprintf installed\n"  # in place of dpkg-query: no package is missing, so none is installed by a test
 MAKES = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")  # of the make that runs the tests
 KEPT = ("isph", "packages", "programs", "output/build/tests/solvers/compare", "output/build/tests/unit/test_errors")
 # target, variables, words that one of the calls must end with
@@ -51,9 +52,9 @@ TARGETS = (("pictures", {"RUN": EVIL, "FLAGS": WORDS}, [EVIL, *SPLIT]),
 
 tools = runs.scratch("tools")
 os.mkdir(tools)
-for tool in ("python", "mpiexec", "true"):
+for tool, text in (("python", NOTE), ("mpiexec", NOTE), ("true", NOTE), ("dpkg-query", HAVE)):
     with open(os.path.join(tools, tool), "w", encoding="utf-8") as tool_file:
-        tool_file.write(NOTE)
+        tool_file.write(text)
     os.chmod(os.path.join(tools, tool), 0o755)
 for target, given, due in TARGETS:
     notes = runs.scratch("notes")
