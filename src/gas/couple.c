@@ -43,7 +43,7 @@
 #define COUNTS     0.1  /* cells that are emptier count for what a row sees */
 #define HOLD       0.3  /* of what a volume lacks, that an iteration of the settling gives back */
 #define HELD       0.2  /* of the closure of a gap that stays; no reference */
-#define LEVEL      0.05 /* of C, that voids without open air get besides: else the level of the pressure is free */
+#define LEVEL      0.05 /* of C, that constant volumes without open air get besides: else the level is free */
 #define LEAST      0.1  /* of the volume by the cells: the tracked one is not less */
 
 void GasForget(Gas *gas)
@@ -444,7 +444,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     } else if (gas->frozen) /* at rest */
       gas->g[k] = HOLD * (pocket->amount - pocket->volume) / (dt * dt * s);
     else if (constant) {
-      if (!gas->open && PocketIsVoid(pocket)) gas->matrix[k * n + k] *= 1 + LEVEL;
+      if (!gas->open) gas->matrix[k * n + k] *= 1 + LEVEL;
       gas->g[k] = ((pocket->amount - V) / (MEMORY * PressureRelaxationTime(pressure)) - gas->star[k + 1]) / (dt * s);
     } else {
       const PetscReal P = gas->ambient * PetscPowReal(pocket->amount / V, gas->exponent), K = gas->exponent * P / V,

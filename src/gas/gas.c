@@ -9,12 +9,16 @@
 
 #define LOOK 8 /* steps after which pockets are looked for again, at the latest */
 
-static const OptionRow options[] = {
+static const OptionRow option[] = {
   {"-gas",
    "Gas that liquid, walls and solids enclose has a pressure, p V^exponent constant; else emptiness has that of the "
    "open "
    "air everywhere",
    NULL, NULL, ROW_BOOL, offsetof(Gas, on)},
+  {.name = NULL},
+};
+
+static const OptionRow options[] = {
   {"-gas_pressure", "Pressure of the open air, with -gas", "Pa", "(0, inf)", ROW_REAL, offsetof(Gas, ambient)},
   {"-gas_exponent",
    "Exponent of enclosed gas: 1.4 for quick changes of air, 1 for slow ones; 0: its volume is constant", "1",
@@ -69,7 +73,8 @@ static PetscErrorCode Options(Stepper stepper)
 
   PetscFunctionBegin;
   PetscOptionsBegin(comm, NULL, "Enclosed gas", "Gas");
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, gas));
+  PetscCall(OptionsRead(PetscOptionsObject, option, __func__, gas));
+  PetscCall(OptionsReadIf(PetscOptionsObject, gas->on, "-gas", options, __func__, gas));
   PetscOptionsEnd();
   if (gas->start == 0) gas->start = gas->ambient;
   if (gas->on) PetscCall(PressureAddLowRank(gas->pressure, &GasTerm, gas));
@@ -292,7 +297,7 @@ static PetscBool HasHole(Scene scene, Tension tension)
 static const Feature features[] = {{HOLE, HasHole}, {.name = NULL}};
 
 #define DIRECT ": the gas's part of the pressure equation is not in the preconditioner; -ksp_type cg can"
-static const Refusal refusals[] = {{HOLE, NEEDS, "-gas", ""},
+static const Refusal refusals[] = {{HOLE, NEEDS_GIVEN, "-gas", ""},
                                    {"-gas", NEEDS, FEATURE_CONSISTENT, ", the default"},
                                    {"-gas", NEEDS, FEATURE_CENTERED, ", the default"},
                                    {"-gas", NEEDS, FEATURE_DIVERGENCE, ", the default"},

@@ -44,9 +44,9 @@ static PetscErrorCode ReadFace(const Domain domain, OptionItems PetscOptionsObje
     {name[0],
      "Level that the outside of an open face holds, in the coordinate against gravity; below it the outside "
      "has the hydrostatic pressure. Liquid leaves, none enters",
-     "m", NULL, ROW_REAL, offsetof(Outlet, level), .fallback = "none"},
-    {name[1], "Pressure outside an open face, over that of the open air; with a level: above it, too", "Pa", NULL,
-     ROW_REAL, offsetof(Outlet, pressure)},
+     "m", "(-inf, inf)", ROW_REAL, offsetof(Outlet, level), .fallback = "none"},
+    {name[1], "Pressure outside an open face, over that of the open air; with a level: above it, too", "Pa",
+     "(-inf, inf)", ROW_REAL, offsetof(Outlet, pressure)},
     {.name = NULL}};
 
   PetscFunctionBegin;

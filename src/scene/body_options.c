@@ -36,6 +36,9 @@ static PetscErrorCode ReadHoles(Body body, Holes *holes)
     PetscCall(PetscStrcmp(holes->name[k], body->name, &same));
     PetscCheckUser(holes->name[k][0] && !same, body->domain->comm, "-%sholes: '%s' cannot be a hole of %s",
                    body->prefix, holes->name[k], body->name);
+    for (PetscInt j = 0; j < k; j++)
+      PetscCheckUser(strcmp(body->hole[j]->name, holes->name[k]), body->domain->comm,
+                     "-%sholes: the name %s appears twice", body->prefix, holes->name[k]);
     PetscCall(BodyCreate(body->domain, holes->name[k], k, &body->hole[k]));
     body->holes++;
     PetscCall(RegionSetFromOptions(body->hole[k], PETSC_TRUE));

@@ -52,7 +52,7 @@ static const struct {
   {RINGS, Rings}, {GRADED, Graded}, {FIXED, Fixed}, {DENSITIES, Densities}, {THINNING, ViscosityVaries},
 };
 
-static const char *const Relations[] = {"cannot be used with", "needs"};
+static const char *const Relations[] = {"cannot be used with", "needs", "needs"};
 
 static const Refusal Refusals[] = {
   {PRINTED, NOT_WITH, RINGS, ": its pressure gradient, Eq. (9), drives rings off the axis; " SCHEME_CONSISTENT " can"},
@@ -138,21 +138,30 @@ static PetscErrorCode Find(Sim sim, const char feature[], Given *given)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether what is given of a row's feature, one or other (1), is what the row refuses. */
+static PetscBool Bad(const Refusal *row, PetscInt other, Given given)
+{
+  if (!other || row->relation == NOT_WITH) return (PetscBool)(given == GIVEN);
+  return (PetscBool)(given == OPPOSED || (row->relation == NEEDS_GIVEN && given == UNSAID));
+}
+
 /* Whether a row refuses this run. If one feature is an option, it is queried only if the other is on: to PETSc a
    queried option counts as read. */
 static PetscErrorCode Refuses(Sim sim, const Refusal *row, PetscBool *refuses)
 {
-  const Given       bad[2]   = {GIVEN, row->relation == NEEDS ? OPPOSED : GIVEN};
   const char *const names[2] = {row->one, row->other};
   const PetscInt    first    = names[0][0] == '-' ? 1 : 0;
   Given             given;
 
   PetscFunctionBegin;
-  PetscCall(Find(sim, names[first], &given));
-  *refuses = (PetscBool)(given == bad[first]);
-  if (!*refuses) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Find(sim, names[1 - first], &given));
-  *refuses = (PetscBool)(given == bad[1 - first]);
+  *refuses = PETSC_FALSE;
+  for (PetscInt k = 0; k < 2; k++) {
+    const PetscInt of = k ? 1 - first : first;
+
+    PetscCall(Find(sim, names[of], &given));
+    if (!Bad(row, of, given)) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *refuses = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

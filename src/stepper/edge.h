@@ -45,13 +45,14 @@ typedef struct {
 } StepTrial;
 
 /* A feature that scenes may have, by the name that the user writes; those that are options need no row. What cannot be
-   used together: 'one' not with 'other', or not without it, where 'other' is a default; 'rest' ends the sentence. The
-   last row has no name. sim/refusals.c has the features and refusals of the core. */
+   used together: 'one' not with 'other' (NOT_WITH), or not without it, a default (NEEDS) or an option that must be
+   given (NEEDS_GIVEN); 'rest' ends the sentence. The last row has no name. sim/refusals.c has the features and refusals
+   of the core. */
 typedef struct {
   const char *name;
   PetscBool (*on)(Scene scene, Tension tension); /* NULL: not made yet */
 } Feature;
-typedef enum { NOT_WITH, NEEDS } Relation;
+typedef enum { NOT_WITH, NEEDS, NEEDS_GIVEN } Relation;
 typedef struct {
   const char *one;
   Relation    relation;

@@ -250,6 +250,11 @@ def scenes():
     refused("overlapping_bodies", BOX + "-bodies a,b -a_upper 10,10,5 -b_lower 0,0,4 -b_upper 10,10,8", ["overlap"])
     refused("holes_that_touch", GOOD + "-solids s -s_lower 0,0,8 -s_upper 10,10,16 -s_holes a,b -a_lower 3,3,8"
             " -a_upper 7,7,12 -b_lower 3,3,12 -b_upper 7,7,16", ["a and b of s touch at", "overlap by a spacing, 1 m"])
+    HOLE = FLAT + "-dimension 2 -a_holes h -h_shape sphere -h_radius 1 -h_center 2,2 "
+    refused("hole_named_twice", HOLE + "-a_holes h,h", ["-a_holes", "h appears twice"])
+    refused("pressure_of_a_hole_without_gas", HOLE + "-h_pressure 2e5", ["-<hole>_pressure needs -gas"])
+    refused("pressure_of_the_air_without_gas", FLAT + "-dimension 2 -gas_pressure 2e5", ["-gas_pressure", "to -gas"])
+    refused("level_that_is_no_number", FLAT + "-dimension 2 -box_xmax_level nan", ["-box_xmax_level is nan", "inf"])
     refused("thin_periodic_box", GOOD + "-box_upper 2,10,20 -box_x periodic -film_upper 2,10,5", ["x"])
     refused("thin_symmetry_box", GOOD + "-box_upper 2,10,20 -box_x symmetry -film_upper 2,10,5", ["x"])
     refused("periodic_against_wall", GOOD + "-box_xmin periodic -box_xmax wall", ["periodic"])

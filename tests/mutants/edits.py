@@ -10,9 +10,11 @@
 
 A file is a source of the program, a Python program of src/answers, src/pictures, src/python, tests/tradeoff or
 tests/verify, or a script of the report's page.
-Tests are parts of `make test`: unit programs, on some ranks if it says so; scripts; entries of tests/verify/cases.py of
-size test by their id. They run in this order until one fails."""
+Tests are parts of `make test`: unit programs, on some ranks if it says so; scripts, or a part of one as
+answers/answers.py:holds; entries of tests/verify/cases.py of size test by their id. They run in this order until one
+fails."""
 import configparser
+import functools
 import glob
 import os
 import re
@@ -21,8 +23,7 @@ from typing import NamedTuple
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "tests", "verify")]
-import cases  # noqa: E402
+sys.path.insert(0, os.path.join(ROOT, "tests"))
 import run  # noqa: E402
 
 KEYS = {"file", "was", "is", "bug", "tests"}
@@ -63,35 +64,32 @@ def read():
     return mutants
 
 
-def exists(test):
-    """Whether a test is a part of `make test`: a job of tests/run.py, 'unit/NAME on 3' for unit/NAME@3, an entry of
-    tests/verify/cases.py by its id, or a script with all its parts."""
+@functools.lru_cache(maxsize=None)
+def jobs():
+    """The jobs of tests/run.py that are part of `make test`."""
+    return [job for job in run.find(run.read_table(), run.FOLDERS) if job.row and job.row.set != "long"]
+
+
+def job_of(test):
+    """The name of a test's job in tests/run.py: unit/NAME@3 for 'unit/NAME on 3', the part of verify/entries.py for an
+    entry of tests/verify/cases.py."""
     name, _, ranks = test.partition(" on ")
     if name.startswith("unit/"):
-        row = run.row_of(name, run.read_table())
-        return os.path.exists(os.path.join(ROOT, "tests", name + ".c")) and row and int(ranks or 1) in row.ranks
-    if name.startswith(VERIFY) and not name.endswith(".py"):
-        return any(entry.id == name[len(VERIFY):] and entry.size == cases.TEST for entry in cases.ENTRIES)
-    return not ranks and os.access(os.path.join(ROOT, "tests", name), os.X_OK)
+        return f"{name}@{ranks or 1}"
+    return f"{VERIFY}entries.py:{name[len(VERIFY):]}" if name.startswith(VERIFY) and ".py" not in name else test
 
 
 def is_of(test, job):
-    """Whether a test of the list is, or has as a part, a job of tests/run.py."""
-    name, _, ranks = test.partition(" on ")
-    if name.startswith("unit/"):
-        return job.name == f"{name}@{ranks or 1}"
-    if name.startswith(VERIFY) and not name.endswith(".py"):
-        return job.name == f"{VERIFY}entries.py:{name[len(VERIFY):]}"
-    return job.name.partition(":")[0] == name
+    """Whether a test of the list is, or has as a part, a job."""
+    return job_of(test) in (job.name, job.name.partition(":")[0])
 
 
 def unwatched(mutants):
     """Those for whose file `make check CHANGED=1` runs none of their tests, though one takes less than DEAR: the table
     of tests/run.py watches too little."""
-    jobs = [job for job in run.find(run.read_table(), run.FOLDERS) if job.row and job.row.set != "long"]
-    chosen = {file: run.watching(jobs, [file]) for file in {m.file for m in mutants}}
+    chosen = {file: run.watching(jobs(), [file]) for file in {m.file for m in mutants}}
     return [m for m in mutants if not any(is_of(test, job) for test in m.tests for job in chosen[m.file])
-            and any(is_of(test, job) and job.row.seconds < DEAR for test in m.tests for job in jobs)]
+            and any(is_of(test, job) and job.row.seconds < DEAR for test in m.tests for job in jobs())]
 
 
 def mistakes(mutants):
@@ -108,5 +106,6 @@ def mistakes(mutants):
             lines.append(f"{m.name}: its text stands in {m.file} {count} times, not once: mend the edit")
         if m.was == m.becomes or not PLACES.match(m.file):
             lines.append(f"{m.name}: it must change a source of the program, a Python program or a script of the page")
-        lines += [f"{m.name}: {test} is no part of make test" for test in m.tests if not exists(test)]
+        lines += [f"{m.name}: {test} is no part of make test" for test in m.tests
+                  if not any(is_of(test, job) for job in jobs())]
     return lines

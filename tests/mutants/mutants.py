@@ -15,11 +15,14 @@ import csv
 import os
 import queue
 import shutil
+import signal
 import subprocess
 import sys
+import threading
 import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(os.path.dirname(sys.path[0]), "verify"))
 import edits  # noqa: E402
 import mpi  # noqa: E402
 import runner  # noqa: E402
@@ -30,6 +33,7 @@ OUTPUT = os.path.join(ROOT, "output", "mutants")
 TABLE = os.path.join(edits.HERE, "fates.csv")
 COLUMNS = ("name", "fate", "version")  # of the tree that it was tried in
 WANTED = 0.9      # the least share of all mutants that are killed
+GRACE = 10        # s that a test has to end once a part of it has failed
 PATIENCE = 30, 5  # a test may take so many seconds, and so many times as long as without the edit
 KILLED, SURVIVED, ERROR = "killed", "survived", "error"
 
@@ -51,8 +55,8 @@ class Tree:
         shutil.copytree(os.path.join(source, "output", "build"), os.path.join(path, "output", "build"))
 
     def build(self, target):
-        """What make says if it fails, else nothing."""
-        process = subprocess.run(["make", "-s", target], cwd=self.path, text=True, check=False,
+        """What make says if it fails, else nothing; warnings do not stop it: a bug may leave a function without use."""
+        process = subprocess.run(["make", "-s", target, "STRICT="], cwd=self.path, text=True, check=False,
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return process.stdout[-2000:] if process.returncode else ""
 
@@ -65,28 +69,39 @@ class Tree:
         name, _, ranks = test.partition(" on ")
         if name.startswith("unit/"):
             command = (["mpiexec", "-n", ranks] if ranks else []) + ["output/build/tests/" + name]
-        elif name.startswith(edits.VERIFY) and not name.endswith(".py"):
-            command = [sys.executable, "tests/verify/entries.py", "--part", name[len(edits.VERIFY):]]
         else:
-            command = ([sys.executable] if name.endswith(".py") else []) + ["tests/" + name]
+            script, _, part = edits.job_of(test).partition(":")
+            command = ([sys.executable] if script.endswith(".py") else []) + ["tests/" + script] + (
+                ["--part", part] if part else [])
         own = runs.environment(int(ranks or 1)) if name.startswith("unit/") else dict(os.environ, **mpi.ANY)
         environment = {k: v for k, v in own.items() if k not in ("ISPH", "LINT_ROOT")}
         environment["PYTHONDONTWRITEBYTECODE"] = "1"  # what is compiled of a program could outlive an edit of it
         process = subprocess.Popen(command, cwd=self.path, env=environment, stdin=subprocess.DEVNULL, text=True,
                                    errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    start_new_session=True)
+        late = threading.Timer(limit, os.killpg, (process.pid, signal.SIGKILL))
+        late.start()
+        passed, failed = False, ""
+        for line in process.stdout:
+            passed |= line.startswith("ok ")
+            if line.startswith("FAIL "):  # what the others say does not matter
+                failed = line[5:].rstrip("\n")
+                os.killpg(process.pid, signal.SIGINT)
+                break
         try:
-            text, _ = process.communicate(timeout=limit)
+            process.communicate(timeout=GRACE if failed else None)
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
+            os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
+        over = not late.is_alive()
+        late.cancel()
+        if over and not failed:
             return f"not done after {limit:.0f} s"
-        failed = [line[5:] for line in text.splitlines() if line.startswith("FAIL ")]
         if failed:
-            return failed[0]
+            return failed
         if process.returncode:
             return f"exit code {process.returncode}"
-        return "" if any(line.startswith("ok ") for line in text.splitlines()) else "it printed no result"
+        return "" if passed else "it printed no result"
 
     def restore(self, original):
         """Makes everything compiled, and the sources, those of another tree again."""

@@ -4,7 +4,6 @@ import random
 
 import numpy as np
 
-SCENES = 200
 D0 = 0.04  # m; speeds are about 1 m/s, drops have a radius of 5 spacings
 
 
@@ -279,3 +278,185 @@ class Scene:
 
     def text(self):
         return " ".join(f"{name} {value}" for name, value in self.options.items())
+
+
+class Vessel(Scene):
+    """Scenes of what has its own hooks, together: gas, open faces with an outside, emitters, bodies that move freely, a
+    spacing that follows the liquid, in tanks with walls, mirrors and periodic faces."""
+
+    def __init__(self, number):
+        self.draw = random.Random(f"vessel {number}")
+        self.options, self.bodies, self.solids = {}, [], []
+        self.kind = self.draw.choice(("2", "2", "2", "3", "axisymmetric"))
+        self.rings, self.dim = self.kind == "axisymmetric", 3 if self.kind == "3" else 2
+        self.place = self.draw.choice(("closed", "closed", "outlet", "outlet", "jet"))
+        self.steps = 40 if self.dim == 2 else 20
+        self.up, self.across = ("y", ("x",)) if self.dim == 2 else ("z", ("x", "y"))
+        self.wide, self.high = (0.8, 1.2) if self.dim == 2 else (0.4, 0.8)
+        self.set("dimension", self.kind)
+        getattr(self, self.place)()
+        self.set("bodies", ",".join(self.bodies))
+        if self.solids:
+            self.set("solids", ",".join(self.solids))
+        for feature in (self.liquids, self.surfaces, self.numerics, self.following):
+            feature()
+
+    def corner(self, across, up):
+        """A corner of a box: in space as deep as the scene where it is as wide, else half as deep."""
+        return (across, up) if self.dim == 2 else (across, max(-0.2, min(0.2, across)), up)
+
+    def sides(self, kinds):
+        """The sides of the box: one of the kinds on the left; in space mirrors, walls or periodic faces along y."""
+        left = "axis" if self.rings else self.draw.choice(kinds)
+        low = 0 if left in ("axis", "symmetry") else -self.wide
+        self.low = (low,) + ((-0.2,) if self.dim == 3 else ())
+        self.set("box_lower", *self.low, 0)
+        self.set("box_upper", *self.corner(self.wide, self.high))
+        self.set(f"box_{self.up}min", "wall")
+        if left == "periodic":
+            self.set("box_x", "periodic")
+        elif left != "axis":
+            self.set("box_xmin", left)
+        if self.dim == 3:
+            self.set("box_y", self.draw.choice(("periodic", "wall", "symmetry")))
+        self.set("gravity", *self.vector(0, -self.draw.choice((2, 9.81))))
+        return left
+
+    def pool(self, level):
+        self.body("a", "box", upper=self.corner(self.wide, level))
+
+    def closed(self):
+        """Gas over a pool, in it, and what falls or pours in."""
+        left, level = self.sides(("wall", "symmetry", "periodic")), 0.44
+        if left != "periodic":
+            self.set("box_xmax", "wall")
+        self.set(f"box_{self.up}max", self.draw.choice(("wall", "wall", "symmetry", "open")))
+        self.pool(level)
+        self.set("gas", "true")
+        self.set("gas_pressure", self.draw.choice((1000, 101325)))
+        if self.odds(0.3):
+            self.set("gas_exponent", self.draw.choice((0, 1)))
+        if self.odds(0.3):
+            self.set("gas_pressure_start", self.draw.choice((1100, 101000)))
+        if self.odds(0.6):
+            self.set("a_holes", "bubble")
+            self.set("bubble_shape", "sphere")
+            self.set("bubble_radius", 0.11)
+            self.set("bubble_center", *self.vector(0, 0.2))
+            if self.odds(0.5):
+                self.set("bubble_pressure", float(self.options["-gas_pressure"]) + self.draw.choice((0, 500)))
+        self.falls(level)
+
+    def falls(self, level):
+        what = self.draw.choice(("drop", "emitter", "free", "free", "nothing"))
+        if what == "drop":
+            self.body("b", "sphere", radius=0.14, center=self.vector(0, round(level + 0.19, 4)))
+            self.set("b_velocity", *self.vector(0, -1))
+        elif what == "emitter":
+            self.emitter(self.vector(0, -self.draw.choice((1, 2))), level + 0.12, level + 0.24)
+        elif what == "free" and not self.rings and "symmetry" not in self.options.values():
+            self.raft(level)
+
+    def emitter(self, velocity, low, high):
+        """A jet that comes down."""
+        self.body("jet", "box", lower=(0 if self.low[0] == 0 else -0.12,) + ((-0.12,) if self.dim == 3 else ()) + (
+            round(low, 4),), upper=(0.12,) + ((0.12,) if self.dim == 3 else ()) + (round(high, 4),))
+        self.set("jet_type", "emitter")
+        self.set("jet_velocity", *velocity)
+        self.how_it_comes()
+
+    def how_it_comes(self):
+        if self.odds(0.3):
+            self.set("jet_nozzle", 0.08)
+        if self.odds(0.3):
+            self.set("jet_modulation", 0.3)
+            self.set("jet_modulation_frequency", 5)
+        if self.odds(0.2):
+            self.set("jet_start", 0.02)
+        if self.odds(0.2):
+            self.set("jet_count", self.draw.choice((1, 3)))
+
+    def raft(self, level):
+        self.solids.append("ball")
+        heavy = self.draw.choice((0.3, 0.6, 2))
+        if self.odds(0.5):
+            self.set("ball_shape", "sphere")
+            self.set("ball_radius", 0.12)
+            self.set("ball_center", *self.vector(0.3 if self.dim == 2 else 0.1, level))
+            self.set("ball_mass", round(heavy * (45 if self.dim == 2 else 7.2), 3))
+        else:
+            self.set("ball_shape", "box")
+            self.set("ball_lower", *self.vector(0.2, level - 0.08)[:1], *((-0.1,) if self.dim == 3 else ()),
+                     round(level - 0.08, 4))
+            self.set("ball_upper", 0.36, *((0.1,) if self.dim == 3 else ()), round(level + 0.08, 4))
+            self.set("ball_mass", round(heavy * (25.6 if self.dim == 2 else 5.1), 3))
+        if self.odds(0.3):
+            self.set("ball_velocity", *self.vector(0.3, 0))
+        if self.odds(0.3):
+            self.set("ball_friction", 0.3)
+            self.set("ball_restitution", 0.5)
+
+    def outlet(self):
+        """Liquid that leaves to an outside with a level or a pressure, and what feeds it."""
+        self.sides(("wall", "symmetry"))
+        level = 0.44
+        kind = self.draw.choice(("level", "level", "pressure", "weir"))
+        if kind == "weir":  # no level is held: it falls over the edge
+            self.set("box_xmax", "open")
+            self.set("box_xmax_level", 0.08)
+        elif kind == "level":
+            self.set("box_xmax", "open")
+            self.set("box_xmax_level", self.draw.choice((level, level - 0.08, 0.2)))
+        else:
+            self.set("box_xmax", "wall")
+            self.set(f"box_{self.up}min", "open")
+            self.set(f"box_{self.up}min_pressure", self.draw.choice((-500, 500)))  # less than what stands on it
+        self.pool(level)
+        if self.odds(0.3):
+            self.set("a_velocity", *self.vector(0.3, 0) if not self.rings else (0, 0))
+        self.falls(level)
+
+    def jet(self):
+        """An emitter of a plane jet, on to a pool or a body."""
+        self.sides(("wall", "open", "periodic") if not self.rings else ("axis",))
+        self.options.pop("-box_y", None)
+        self.emitter(self.vector(0, -1), 0.72 - 0.1 * (self.dim == 3), 0.84 - 0.1 * (self.dim == 3))
+        if self.odds(0.6):
+            self.body("a", "box", upper=self.corner(self.wide, 0.24))
+            if self.odds(0.5) and not self.rings:  # no mirror is there
+                self.raft(0.24)
+        elif self.odds(0.6):
+            self.solids.append("plate")
+            self.set("plate_lower", -0.2 if not self.rings else 0, *((-0.2,) if self.dim == 3 else ()), 0.26)
+            self.set("plate_upper", 0.2, *((0.2,) if self.dim == 3 else ()), 0.38)
+
+    def liquids(self):
+        viscosity = self.draw.choice((0, 1, 1, 10, 300))
+        for name in self.bodies:
+            self.set(f"{name}_viscosity", viscosity if self.odds(0.7) else 1)
+
+    def surfaces(self):
+        if self.odds(0.5):
+            for name in self.bodies:
+                self.set(f"{name}_tension", 10)
+            if self.odds(0.3):
+                self.set("wall_contact_angle", self.draw.choice((60, 120)))
+
+    def numerics(self):
+        if self.odds(0.2):
+            self.set("kernel_type", self.draw.choice(("wendland_c2", "quintic_spline")))
+        if self.odds(0.2):
+            self.set("pc_type", self.draw.choice(("jacobi", "gamg")))
+        if self.odds(0.2):
+            self.set("viscosity_solver", "implicit")
+        self.set("packing_jitter", self.draw.choice((0, 0.1)))
+        self.set("packing_seed", self.draw.randrange(1000))
+
+    def following(self):
+        narrow = self.dim == 3 and {"periodic", "symmetry"} & set(self.options.values())  # for the coarse kernel
+        if self.odds(0.4) and not narrow:
+            self.set("spacing_coarse", 2 * D0)
+            self.set("spacing_follow", self.draw.choice(("surface", "curvature", "auto")))
+
+
+FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40)}  # each with the number of its scenes in the tests

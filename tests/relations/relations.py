@@ -4,10 +4,11 @@ on scenes drawn at random (random_scenes.py). A relation changes a scene in a wa
 the result in a known way, and compares both runs. Where it does not apply it says why: by the program's own refusal, or
 by a property of the scene.
 
-    tests/relations/relations.py [--part PART] [--only WORD ...] [--list]
+    tests/relations/relations.py [--part PART] [--first NUMBER] [--only WORD ...] [--list]
 
 A part is a tenth of the scenes, a number, or a quarter of the tenth that the date of the commit draws: a, b, c, d.
---only: relations or scenes with one of the words in their names; --list: what holds where, of the last runs."""
+--first: of the random scenes; --only: relations or scenes with one of the words in their names; --list: what holds
+where, of the last runs."""
 import argparse
 import collections
 import fcntl
@@ -488,18 +489,20 @@ def prepared(scene):
     raise AssertionError
 
 
-def drawn(number):
+def drawn(make, number, name):
     """A Trial of a random scene."""
-    scene = random_scenes.Scene(number)
+    scene = make(number)
     options = {name[1:]: value for name, value in scene.options.items()}
     options.update(spacing=str(random_scenes.D0), time_step_max="0.02")
-    return Trial(Scene(f"random/{number}", options), STEPS[scene.dim], scene.steps)
+    return Trial(Scene(name, options), STEPS[scene.dim], scene.steps)
 
 
-def scenes():
-    """{name: function that makes its Trial}."""
+def scenes(first):
+    """{name: function that makes its Trial}. first: number of the first random scenes."""
     found = {scene.name: functools.partial(prepared, scene) for scene in files()}
-    found.update({f"random/{k}": functools.partial(drawn, k) for k in range(random_scenes.SCENES)})
+    for family, (make, count) in random_scenes.FAMILIES.items():
+        for k in range(first, first + count):
+            found[f"{family}/{k}"] = functools.partial(drawn, make, k, f"{family}/{k}")
     return found
 
 
@@ -579,6 +582,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--part")
     parser.add_argument("--parts", action="store_true")
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
@@ -587,7 +591,7 @@ def main():
     chosen = {r: holds for r, holds in RELATIONS.items() if r in arguments.only} or RELATIONS
     words = [word for word in arguments.only if word not in RELATIONS]
     parts = runs.parts(*QUARTERS, *map(str, range(TENTHS)))
-    for name, make in scenes().items():
+    for name, make in scenes(arguments.first).items():
         if arguments.part and not of_part(name, parts[0]) or words and not any(word in name for word in words):
             continue
         keep(name, judge(name, make, chosen))

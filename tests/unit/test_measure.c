@@ -92,6 +92,26 @@ static PetscErrorCode TestTotals(PetscReal copies)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A particle nearer to a face than half a spacing is below the top of the box, if the face is periodic. */
+static PetscErrorCode TestHighest(const char face[], PetscReal highest)
+{
+  const PetscReal x[] = {0.45, 0.48, 0, 0.55, 0.98, 0};
+  char            options[256];
+  GaugeTotals     t;
+  Setup           s;
+  Gauges          gauges;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options), SPACE "-box_lower 0,0 -box_upper 1,1 -box_y %s -bodies a", face));
+  PetscCall(SetupFill(options, 2, x, 0, &s));
+  PetscCall(GaugesCreate(s.cloud, &gauges));
+  PetscCall(GaugesSetFromOptions(gauges));
+  PetscCall(GaugesTotals(gauges, &t));
+  CHECK_CLOSE(t.highest, highest, 1e-12, face);
+  PetscCall(Close(&s, &gauges));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* --- droplets --- */
 
 /* The droplets that the table has: number of rows, and of the first and last row particles, volume, place and velocity.
@@ -291,6 +311,8 @@ int main(int argc, char **argv)
   PetscCall(LogRegister());
   PetscCall(TestTotals(1));
   PetscCall(TestTotals(3));
+  PetscCall(TestHighest("open", 1.03));
+  PetscCall(TestHighest("periodic", 1));
   PetscCall(TestDroplets());
   PetscCall(TestRingDroplets());
   PetscCall(TestForces());

@@ -5,10 +5,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FOLDER  "output/test_storage/below"
-#define FILE_H5 FOLDER "/file.h5"
-#define MOST    5    /* rows of a rank, or times ... */
-#define MANY    9000 /* ... so many: some chunks of a compressed data set have the rows of several ranks */
+#define FOLDER    "output/test_storage/below"
+#define FILE_H5   FOLDER "/file.h5"
+#define MOST      5         /* rows of a rank, or times ... */
+#define STRUCTURE (1 << 18) /* bytes that a file needs besides its rows */
+#define MANY      9000      /* ... so many: some chunks of a compressed data set have the rows of several ranks */
 
 /* Rank r has (r + 2) % MOST times 'of' rows, so some have none. Value c of row k is k + c/4. */
 static PetscErrorCode MakeRows(PetscInt of, PetscInt width, Rows *rows, double **values)
@@ -29,13 +30,14 @@ static PetscErrorCode MakeRows(PetscInt of, PetscInt width, Rows *rows, double *
 
 static PetscErrorCode WriteAndRead(PetscInt of, PetscInt compression)
 {
-  H5File     h5;
-  Rows       rows, all;
-  double    *values, *back;
-  PetscReal  time = 0.1, corner[2] = {1, 2};
-  PetscInt64 step = 0;
-  char       text[16];
-  PetscBool  failed, same = PETSC_TRUE;
+  H5File      h5;
+  PetscMPIInt rank;
+  Rows        rows, all;
+  double     *values, *back;
+  PetscReal   time = 0.1, corner[2] = {1, 2};
+  PetscInt64  step = 0;
+  char        text[16];
+  PetscBool   failed, same = PETSC_TRUE;
 
   PetscFunctionBegin;
   PetscCall(MakeRows(of, DIM, &rows, &values));
@@ -46,6 +48,9 @@ static PetscErrorCode WriteAndRead(PetscInt of, PetscInt compression)
   H5FilePutInt(&h5, "step", 7);
   H5FilePutText(&h5, "format", "test");
   PetscCall(H5FileWrite(&h5, "place", H5T_NATIVE_DOUBLE, &rows, values, "m", "where"));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (!rank)
+    CHECK(h5.reserved >= sizeof(double) * DIM * (hsize_t)rows.total + STRUCTURE, "room for rows and structure");
   PetscCall(H5FileClose(&h5, &failed));
   CHECK(!failed, "file written");
   PetscCall(H5FileOpen(PETSC_COMM_WORLD, FILE_H5, &h5));

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Gas in odd scenes: many pockets and too many, a layer of liquid between two gases, a pocket across a periodic face
-and one at an open face, an emitter in a closed vessel, steps that are taken back, viscosity, long steps, thin
+and one at an open face, a bubble in a mirror, a constant volume in a closed vessel, a plate that is jerked, an emitter
+in a closed vessel, steps that are taken back, viscosity, long steps, thin
 films, a wave that breaks over its gas."""
 import os
 import sys
@@ -83,6 +84,31 @@ runs.check_within(band["volume"][-1] / 2, 0.99, 1.01, "pocket_around_a_periodic_
 cut = runs.run(ROUND.replace("-box_x periodic", "-box_xmin wall") + "-hole_center 1.8,1", "cut")
 count = runs.series(cut)["gas_pockets"].max()
 runs.check(count == 0, "what_touches_an_open_face_is_air", count)
+
+# a bubble under the gas of a vessel, and both in a mirror: cells as near to one as to the other have the same owner
+TWO = ALL + """-spacing 0.04 -box_x wall -box_y wall -packing_jitter 0 -ksp_rtol 1e-12 -water_lower 0,{}
+ -water_upper 0.8,{} -water_holes hole -hole_shape sphere -hole_radius 0.11 -hole_center 0.313,{} -time_step 1e-3
+ -time_end 2e-3 """
+below, above = (pockets(runs.run(TWO.format(low, high, at) + box, name))["volume"] for name, low, high, at, box in (
+    ("below", 0, 0.44, 0.207, "-box_lower 0,0 -box_upper 0.8,1.2"),
+    ("above", -0.44, 0, -0.207, "-box_lower 0,-1.2 -box_upper 0.8,0")))
+runs.check_below(abs(below.min() / above.min() - 1), 1e-5, "bubble_in_a_mirror")
+
+# gas of constant volume in a closed vessel, where nothing holds the level of the pressure
+REST = ALL + """-spacing 0.04 -box_lower 0,0 -box_upper 0.8,1.2 -box_x wall -box_y wall -water_lower 0,0 -water_upper
+ 0.8,0.44 -gravity 0,-9.81 -gas_exponent 0 -gauge_points 0.4,0.1 -time_end 0.2 """
+series = runs.series(runs.run(REST, "constant_volume"))
+head = (series["point_1_pressure_Pa"] - series["gas_pressure_max_Pa"])[-1]
+runs.check_within(head / (RHO * 9.81 * 0.34), 0.98, 1.02, "weight_under_gas_of_constant_volume")
+volume = series["gas_volume_m2"][1:]
+runs.check_below(np.ptp(volume) / volume[0], 2e-3, "constant_volume_of_gas")
+
+# a plate that is jerked through water at 5 m/s, under air at 1 atm, leaves no void: the level would rise by that
+JERK = ALL + """-spacing 0.03 -box_lower 0,0 -box_upper 1.2,1.2 -box_x wall -box_ymin wall -water_lower 0,0
+ -water_upper 1.2,0.8 -gravity 0,-9.81 -solids plate -plate_lower 0.4,0.2 -plate_upper 0.52,0.52 -plate_velocity 5,0
+ -time_end 0.08 """
+potential = runs.series(runs.run(JERK, "jerk"))["potential_energy"]
+runs.check_below((potential[-1] - potential[1]) / (RHO * 9.81 * 0.44 * 0.32 * 0.4), 0.7, "no_void_behind_a_plate")
 
 # a jet fills a closed vessel: its gas is compressed as much as liquid comes in
 FILL = ALL + """-spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x wall -box_y wall -water_lower 0,0 -water_upper 1,0.3
