@@ -15,7 +15,8 @@ class RunError(Exception):
 
 @contextlib.contextmanager
 def polite(program):
-    """Around imports and main: a RunError or a missing library ends the program with one sentence."""
+    """Around imports and main: a RunError, a path that cannot be used or a missing library ends the program with one
+    sentence."""
     try:
         yield
     except ImportError as error:
@@ -23,6 +24,10 @@ def polite(program):
                  "/usr/bin/python3.")
     except RunError as error:
         sys.exit(f"{program}: {error}")
+    except OSError as error:
+        if not error.filename:
+            raise
+        sys.exit(f"{program}: {error.filename}: {error.strerror}.")
 
 
 def number(text):

@@ -423,6 +423,9 @@ def programs():
                first.stdout + first.stderr)
     runs.check(os.path.getsize(os.path.join(folder, "answer.html")) > 500 and
                os.path.getsize(os.path.join(folder, "answer.png")) > 5000, "answer_page")
+    file = subprocess.run(line + ["--output", short], capture_output=True, text=True)
+    runs.check(file.returncode == 1 and file.stderr == f"answer.py: {short}: File exists.\n", "folder_that_is_a_file",
+               file.stderr)
     again = subprocess.run(line + ["--budget", "0.01", "--accuracy", "0.01"], capture_output=True, text=True)
     runs.check("not converged" in again.stdout and "would cost" in again.stdout, "says_what_more_would_cost",
                again.stdout + again.stderr)
