@@ -8,7 +8,9 @@
 #include "bodies_impl.h"
 #include "../scene/body.h"
 
-#define SHAPE_SAMPLES 64 /* a direction, for volume, centre and moment of inertia of a shape */
+/* Halvings of the largest extent of a shape, for its volume, centre and moment of inertia: to 1/1024 and 1/128. */
+#define HALVINGS_PLANE 10
+#define HALVINGS_SPACE 7
 /* Allowed ratios of a body's density to that of the densest liquid, and of its moment of inertia to its mass times the
    square of its extent. A lighter body leaves the liquid within a few steps, a heavier one hardly moves; far outside
    the pressure solve fails. */
@@ -94,39 +96,66 @@ static PetscErrorCode CheckBounds(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Volume (m3) and centroid (m) of the shape from samples, and its second moments (m5) about the point 'about' (m)
-   unless that is NULL. With rings a sample counts with the length of its ring. */
-static void SampleShape(Body body, const PetscReal *about, PetscReal *volume, PetscReal centroid[DIM],
-                        PetscReal moment[DIM][DIM])
+/* Integrals over a shape: volume (m3), first moments (m4), and second moments (m5) about a point. */
+typedef struct {
+  PetscReal about[DIM]; /* m */
+  PetscReal volume, first[DIM], second[DIM][DIM];
+} Integrals;
+
+/* Adds the cube with this centre and half of this edge (m), of which a share is in the shape. With rings a cube
+   counts with the length of its ring. */
+static void AddCube(Domain domain, const PetscReal x[DIM], PetscReal half, PetscReal share, Integrals *sum)
 {
-  const Domain domain = body->domain;
-  PetscReal    lower[DIM], upper[DIM], cell = 1;
+  PetscReal volume = share * DomainRingLength(domain, x, 1);
 
-  body->shape->bounds(body, lower, upper);
-  *volume = 0;
+  for (PetscInt d = 0; d < domain->dim; d++) volume *= 2 * half;
+  sum->volume += volume;
   for (PetscInt d = 0; d < DIM; d++) {
-    centroid[d] = 0;
-    for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] = 0;
-    if (DomainIsRadial(domain, d)) lower[d] = PetscMax(lower[d], 0);
-    if (d < domain->dim) cell *= (upper[d] - lower[d]) / SHAPE_SAMPLES;
+    sum->first[d] += volume * (DomainIsRadial(domain, d) ? 0 : x[d]);
+    for (PetscInt e = 0; e < DIM; e++)
+      sum->second[d][e] += volume * ((x[d] - sum->about[d]) * (x[e] - sum->about[e]) + (d == e ? half * half / 3 : 0));
   }
-  for (PetscInt k = 0; k < PetscPowInt(SHAPE_SAMPLES, domain->dim); k++) {
-    const PetscInt index[DIM] = {k % SHAPE_SAMPLES, k / SHAPE_SAMPLES % SHAPE_SAMPLES,
-                                 k / (SHAPE_SAMPLES * SHAPE_SAMPLES)};
-    PetscReal      x[DIM]     = {0, 0, 0}, share;
+}
 
-    for (PetscInt d = 0; d < domain->dim; d++)
-      x[d] = lower[d] + (upper[d] - lower[d]) * ((PetscReal)index[d] + 0.5) / SHAPE_SAMPLES;
-    if (ShapeDistance(body, x) > 0) continue;
-    share = cell * DomainRingLength(domain, x, 1);
-    *volume += share;
-    for (PetscInt d = 0; d < DIM; d++) {
-      centroid[d] += share * (DomainIsRadial(domain, d) ? 0 : x[d]);
-      for (PetscInt e = 0; e < DIM && about; e++) moment[d][e] += share * (x[d] - about[d]) * (x[e] - about[e]);
+/* Adds the part of a cube that is in the shape. A cube that the surface may cut is parted into halves a direction;
+   after the last halving it counts with the share that a plane at its distance from the centre cuts off, so that thin
+   walls of a hollow body have their volume. */
+static void AddShape(Body body, const PetscReal x[DIM], PetscReal half, PetscInt halvings, Integrals *sum)
+{
+  const Domain    domain   = body->domain;
+  const PetscReal distance = ShapeDistance(body, x), reach = half * PetscSqrtReal((PetscReal)domain->dim);
+
+  if (distance >= reach) return;
+  if (distance <= -reach) {
+    AddCube(domain, x, half, 1, sum);
+  } else if (halvings == 0) {
+    AddCube(domain, x, half, PetscMin(PetscMax(0.5 - distance / (2 * half), 0), 1), sum);
+  } else {
+    for (PetscInt k = 0; k < 1 << domain->dim; k++) {
+      PetscReal center[DIM] = {0, 0, 0};
+
+      for (PetscInt d = 0; d < domain->dim; d++) center[d] = x[d] + (k >> d & 1 ? half : -half) / 2;
+      AddShape(body, center, half / 2, halvings - 1, sum);
     }
   }
-  if (*volume > 0)
-    for (PetscInt d = 0; d < DIM; d++) centroid[d] /= *volume;
+}
+
+/* Integrals over the shape less its holes, the second moments about the point 'about' (m). */
+static Integrals IntegrateShape(Body body, const PetscReal about[DIM])
+{
+  const Domain domain = body->domain;
+  PetscReal    lower[DIM], upper[DIM], center[DIM] = {0, 0, 0}, half = 0;
+  Integrals    sum = {.about = {about[0], about[1], about[2]}};
+
+  body->shape->bounds(body, lower, upper);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (DomainIsRadial(domain, d)) lower[d] = PetscMax(lower[d], 0);
+    half = PetscMax(half, (upper[d] - lower[d]) / 2);
+  }
+  for (PetscInt d = 0; d < domain->dim; d++)
+    center[d] = DomainIsRadial(domain, d) ? lower[d] + half : (lower[d] + upper[d]) / 2;
+  AddShape(body, center, half, domain->dim == 3 ? HALVINGS_SPACE : HALVINGS_PLANE, &sum);
+  return sum;
 }
 
 /* Sets the moment of inertia at the start: as given, or that of a constant density. */
@@ -135,7 +164,8 @@ static PetscErrorCode SetInertia(Body body, const PetscReal center[DIM])
   const Domain    domain = body->domain;
   struct _p_Free *f      = body->free;
   const PetscBool one = (PetscBool)(f->given.count == 1), flat = (PetscBool)(domain->dim == 2);
-  PetscReal       volume, centroid[DIM], moment[DIM][DIM], trace = 0;
+  Integrals       shape;
+  PetscReal       trace = 0;
 
   PetscFunctionBegin;
   PetscCheckUser(f->given.count == 0 || one || (f->given.count == DIM && !flat), domain->comm,
@@ -143,21 +173,22 @@ static PetscErrorCode SetInertia(Body body, const PetscReal center[DIM])
   for (PetscInt d = 0; d < f->given.count; d++)
     PetscCheckUser(f->given.value[d] > 0, domain->comm, "-%sinertia must have positive numbers", body->prefix);
   if (!f->turns) PetscFunctionReturn(PETSC_SUCCESS);
-  SampleShape(body, center, &volume, centroid, moment);
-  for (PetscInt d = 0; d < DIM; d++) trace += moment[d][d];
+  shape = IntegrateShape(body, center);
+  for (PetscInt d = 0; d < DIM; d++) trace += shape.second[d][d];
   for (PetscInt d = 0; d < DIM; d++)
     for (PetscInt e = 0; e < DIM; e++)
       f->inertia[d][e] = f->given.count ? (d == e ? f->given.value[one ? 0 : d] : 0)
-                                        : f->mass / volume * ((d == e ? trace : 0) - moment[d][e]);
+                                        : f->mass / shape.volume * ((d == e ? trace : 0) - shape.second[d][e]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], const PetscReal velocity[DIM],
                          const PetscReal rate[DIM])
 {
-  const Domain    domain = body->domain;
-  struct _p_Free *f      = body->free;
-  PetscReal       centroid[DIM];
+  const Domain    domain      = body->domain;
+  struct _p_Free *f           = body->free;
+  const PetscReal origin[DIM] = {0, 0, 0};
+  Integrals       shape;
 
   PetscFunctionBegin;
   PetscCheckUser(f->mass > 0 || (f->given.count == 0 && f->turns == !domain->rings), domain->comm,
@@ -173,9 +204,10 @@ PetscErrorCode FreeSetUp(Body body, PetscBool centered, PetscReal center[DIM], c
     "be used",
     body->name, body->prefix, body->prefix);
   PetscCall(CheckBounds(body));
-  SampleShape(body, NULL, &f->volume, centroid, NULL);
+  shape     = IntegrateShape(body, origin);
+  f->volume = shape.volume;
   PetscCheckUser(f->volume > 0, domain->comm, "the solid %s has a mass but no volume", body->name);
-  for (PetscInt d = 0; d < DIM && !centered; d++) center[d] = centroid[d];
+  for (PetscInt d = 0; d < DIM && !centered; d++) center[d] = shape.first[d] / shape.volume;
   PetscCall(SetInertia(body, center));
   for (PetscInt d = 0; d < DIM; d++) {
     f->moves[d]        = (PetscBool)(d < domain->dim && !DomainIsRadial(domain, d));

@@ -373,6 +373,35 @@ static void Turned(const PetscReal x[DIM], const PetscReal axis[DIM], PetscReal 
   for (PetscInt d = 0; d < DIM; d++) out[d] = c * x[d] + s / Norm(axis) * across[d] + (1 - c) * along * axis[d];
 }
 
+/* A cup of 2 kg with walls of a fiftieth of its width, 0.6 m by 0.6 m by 0.4 m, open below: the outer box less the
+   inner one has its centre of mass and moments of inertia. */
+static PetscErrorCode TestHollow(void)
+{
+  const PetscReal wall = 0.012, width = 0.6 - 2 * wall, height = 0.4 - wall, outer = 0.6 * 0.6 * 0.4,
+                  inner = width * width * height, share = 2 / (outer - inner);
+  const PetscReal above = (outer * 0.1 - inner * (-0.1 + height / 2)) / (outer - inner);
+  const PetscReal inertia =
+    share *
+    (outer * ((0.36 + 0.16) / 12 + (0.1 - above) * (0.1 - above)) -
+     inner * ((width * width + height * height) / 12 + (-0.1 + height / 2 - above) * (-0.1 + height / 2 - above)));
+  const PetscReal push[RIGID_MOTIONS] = {0, 0, 0, 0, 1, 0};
+  PetscReal       center[DIM], motion[RIGID_MOTIONS], change[RIGID_MOTIONS];
+  Domain          domain;
+  Scene           scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(CUBE "-bodies a -a_upper 1,1,-0.9 -solids s -s_lower -0.3,-0.3,-0.1 -s_upper 0.3,0.3,0.3 -s_mass 2 "
+                      "-s_holes room -room_lower -0.288,-0.288,-0.2 -room_upper 0.288,0.288,0.288",
+                 &domain, &scene));
+  FreeMotion(SceneSolid(scene, 0), center, motion);
+  CHECK(PetscAbsReal(center[0]) < 1e-12 && PetscAbsReal(center[1]) < 1e-12, "centre_of_a_cup");
+  CHECK_CLOSE(center[2], above, 2e-3, "height_of_the_centre_of_a_cup");
+  FreeResponse(SceneSolid(scene, 0), push, change);
+  CHECK_CLOSE(1 / change[4], inertia, 2e-3, "inertia_of_a_cup");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A cylinder of 2 kg about the axis n, radius 0.3 m and height 1 m, at an angle to all axes: I = A across it,
    2 (0.09/4 + 1/12), and C along it, 2 0.09/2 kg m2. What it keeps, L, turns n with L/A about it. */
 static PetscErrorCode TestTilted(void)
@@ -465,6 +494,7 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(UserErrorHandlerPush());
   PetscCall(TestTilted());
+  PetscCall(TestHollow());
   PetscCall(TestTorque());
   PetscCall(TestMotion());
   PetscCall(TestFree());
