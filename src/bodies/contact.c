@@ -21,7 +21,11 @@
 #define LET_OUT 0.2   /* of an overlap, in a step (Catto 2005) */
 #define SWEEPS  200   /* at most */
 #define DONE    1e-10 /* largest change of a velocity in the last sweep, over the largest velocity */
-#define NOBODY  -1    /* a wall, in place of the index of a solid */
+#define AROUND                                                                                                         \
+  0.3 /* spacings to the sides within which a surface is plane: the first dummy particle is at half of one */
+#define PLANE  1e-6 /* one less the cosine between the normals of a plane */
+#define BEFORE 0.5  /* cosine between the way to an edge and the normal of the surface before which it is */
+#define NOBODY -1   /* a wall, in place of the index of a solid */
 
 /* A place where two solids may touch, of particle id of the solid 'one'; all numbers are of one width, for MPI. */
 typedef struct {
@@ -178,6 +182,40 @@ static PetscReal SolidDistance(Scene scene, PetscInt which, const PetscReal x[DI
   return BodyDistance(SceneSolid(scene, which), x);
 }
 
+/* Whether the surface of a solid is plane around the point of it that is nearest to x; n: its normal there. */
+static PetscBool IsPlane(Scene scene, PetscInt solid, const PetscReal x[DIM], const PetscReal n[DIM])
+{
+  const Domain domain = SceneSolid(scene, solid)->domain;
+
+  for (PetscInt k = 0; k < 2 * domain->dim; k++) {
+    PetscReal side[DIM] = {0, 0, 0}, y[DIM], m[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) side[d] = (d == k / 2) - n[k / 2] * n[d];
+    if (Norm(side) < 0.5) continue;
+    for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + (k % 2 ? 1 : -1) * AROUND * domain->spacing * side[d] / Norm(side);
+    DistanceNormal(scene, SolidDistance, solid, y, m);
+    if (Dot(m, n) < 1 - PLANE) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Where an edge of the other solid is next to a dummy particle behind a plane surface, normal and gap of the place
+   become those of the plane at the edge: out of an edge normals point to all sides, and an edge that slides along the
+   surface would run into one dummy particle after the other. False: the edge is before other particles, not before this
+   one. image: where the particle is for the other solid, m. */
+static PetscBool TakePlane(Scene scene, PetscInt one, const PetscReal image[DIM], Place *place)
+{
+  PetscReal m[DIM];
+
+  if (IsPlane(scene, (PetscInt)place->other, image, place->n)) return PETSC_TRUE;
+  DistanceNormal(scene, SolidDistance, one, place->x, m);
+  if (Norm(m) == 0 || !IsPlane(scene, one, place->x, m)) return PETSC_TRUE;
+  if (Dot(m, place->n) > -BEFORE) return PETSC_FALSE;
+  place->gap = SolidDistance(scene, one, place->x);
+  for (PetscInt d = 0; d < DIM; d++) place->n[d] = -m[d];
+  return PETSC_TRUE;
+}
+
 /* Adds the places where dummy particle a of a solid may touch walls and other solids. */
 static PetscErrorCode AddPlaces(Cloud cloud, PetscInt a, PetscReal time, const PetscReal motion[], PetscReal dt,
                                 PetscSegBuffer places)
@@ -217,7 +255,8 @@ static PetscErrorCode AddPlaces(Cloud cloud, PetscInt a, PetscReal time, const P
       at.x[d] = x[d] - (half + at.gap) * at.n[d];
       at.u[d] = v[0][d] - v[1][d];
     }
-    if (Norm(at.n) > 0) PetscCall(AddPlace(scene, motion, dt, domain->spacing, &at, places));
+    if (Norm(at.n) > 0 && TakePlane(scene, one, image, &at))
+      PetscCall(AddPlace(scene, motion, dt, domain->spacing, &at, places));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

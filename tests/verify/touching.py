@@ -42,6 +42,17 @@ def dry():
     low = int(np.argmin(y))
     runs.check_below(abs(y[low] - 0.08) / SPACING, 0.25, "a ball comes to the floor")
     runs.check_within(v[low:].max() / np.sqrt(2 * G * fall), 0.97 * rebound, 1.01 * rebound, "and rebounds")
+    # A box slides along a rail, without friction: the dummy particles of the rail that its edges pass do not stop it. In
+    # space the rail is behind it in two directions.
+    for name, scene in (("plane", DRY + """-b_lower 0.2,0.1 -b_upper 0.3,0.9 -a_lower 0.3,0.15 -a_upper 0.5,0.35
+ -a_mass 40 -a_velocity 0,0.5"""), ("space", """-dimension 3 -spacing 0.05 -box_lower 0,0,0 -box_upper 1,0.4,1
+ -box_x wall -box_y wall -box_zmin wall -bodies water -water_lower 0.9,0,0 -water_upper 1,0.4,0.1 -solids b,c,a
+ -b_lower 0,0,0 -b_upper 0.1,0.4,1 -c_lower 0.1,0,0 -c_upper 0.5,0.1,1 -a_lower 0.1,0.1,0.1 -a_upper 0.3,0.3,0.3
+ -a_mass 8 -a_velocity 0,0,0.5 -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3""")):
+        s = runs.series(runs.run(scene + " -time_end 0.4", f"rail_{name}"))
+        speeds = np.array([s[n] for n in s.dtype.names if n.startswith("a_velocity")])
+        runs.check_below(abs(speeds[-1] / 0.5 - 1).max(), 1e-3, f"a box slides along a rail, {name}")
+        runs.check_below(abs(speeds[:-1]).max() / 0.5, 5e-3, f"and is not pushed off, {name}")
     # Two bodies without gravity: momentum and angular momentum about the origin are kept, also with friction.
     mass = {"a": 10.0, "b": 25.0}
     s = runs.series(runs.run(DRY + f"""-a_lower 0.3,0.5 -a_upper 0.5,0.7 -a_mass {mass['a']} -a_velocity 1,0
