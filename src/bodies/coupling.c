@@ -9,6 +9,9 @@
    of A; each velocity of a body costs the solver about one iteration more. */
 #include "bodies_impl.h"
 
+#define BEFORE 1.25 /* spacings, from a dummy particle of the first layer to what is in front of its solid */
+#define ROOM   0.4  /* spacings, from there to the next wall or solid at least, if something can be there */
+
 /* The rows with a divergence from the motion of one body. */
 struct _p_Coupling {
   Body       solid;
@@ -119,6 +122,58 @@ static PetscErrorCode Yield(void *context, Pressure pressure, const PetscReal fo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the front of dummy particle a of a solid is empty: neither liquid nor a wall or another solid is there. */
+static PetscBool IsBare(Cloud cloud, PetscInt a)
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *n = cloud->solid_normal + DIM * a,
+                  d0 = domain->spacing * cloud->size[a];
+  PetscReal front[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) front[d] = x[d] + BEFORE * d0 * n[d];
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if ((domain->face[d][0] == FACE_WALL && front[d] < domain->lower[d] + ROOM * d0) ||
+        (domain->face[d][1] == FACE_WALL && front[d] > domain->upper[d] - ROOM * d0))
+      return PETSC_FALSE;
+  if (SceneSolidDistance(cloud->scene, front, NULL) < ROOM * d0) return PETSC_FALSE;
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * cloud->list[k];
+    PetscReal        r[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) r[d] = y[d] - front[d];
+    DomainNearest(domain, r);
+    if (Norm(r) < d0) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* The pressure of liquid without a free surface moves a body if the body has liquid on one side and emptiness on the
+   other: the ram of a hydraulic jack does, a body within the liquid or on the floor below it does not, but for the
+   disorder of its dummy particles. wet and bare: the sums of the areas, as vectors; they are equal for the ram. */
+static PetscErrorCode Level(void *context, Pressure pressure, PetscBool *held)
+{
+  const FreeData *data   = (FreeData *)context;
+  const Cloud     cloud  = data->cloud;
+  const PetscReal volume = 1 / (PressureRowScale(pressure) * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < data->couplings && !*held; k++) {
+    const struct _p_Coupling *c           = &data->coupling[k];
+    PetscReal                 sum[2][DIM] = {{0}}, *wet = sum[0], *bare = sum[1];
+
+    for (PetscInt r = 0; r < c->count; r++)
+      for (PetscInt d = 0; d < DIM; d++) wet[d] += volume * c->slope[RIGID_MOTIONS * r + d];
+    for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+      if (cloud->integer[INT_BODY][a] != c->body || cloud->integer[INT_LAYER][a] != 1 || !IsBare(cloud, a)) continue;
+      for (PetscInt d = 0; d < DIM; d++)
+        bare[d] += cloud->volume[a] / (cloud->domain->spacing * cloud->size[a]) * cloud->solid_normal[DIM * a + d];
+    }
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2 * DIM, MPIU_REAL, MPI_SUM, cloud->comm));
+    *held = (PetscBool)(Dot(wet, bare) > 0.5 * Dot(wet, wet));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode CouplingForces(FreeData *data, Pressure pressure, PetscReal force[])
 {
   PetscReal *load, sum[RIGID_MOTIONS * SCENE_MAX_BODIES];
@@ -138,7 +193,7 @@ PetscErrorCode CouplingForces(FreeData *data, Pressure pressure, PetscReal force
 
 PetscErrorCode CouplingCreate(FreeData *data, Cloud cloud, Pressure pressure)
 {
-  static const LowRank term  = {.set_up = SetUp, .add = Add, .yield = Yield};
+  static const LowRank term  = {.set_up = SetUp, .add = Add, .yield = Yield, .level = Level};
   const Scene          scene = cloud->scene;
 
   PetscFunctionBegin;

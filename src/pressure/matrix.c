@@ -227,7 +227,7 @@ static PetscErrorCode FillEntries(Pressure pressure, MatrixStore *s, RowEntries 
     PetscInt off = s->oi[r];
 
     s->j[end[r]]   = r;
-    s->a[end[r]++] = pressure->pair_diagonal[r] + pressure->closure_diagonal[r];
+    s->a[end[r]++] = PressureDiagonal(pressure, r);
     GatherRow(pressure, r, e);
     for (PetscInt k = 0; k < e->count; k++) {
       const PetscInt c = e->column[k];

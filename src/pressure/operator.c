@@ -168,10 +168,9 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
   PetscFunctionBegin;
   if (cloud->n_rows > pressure->rows_capacity) {
     pressure->rows_capacity = cloud->capacity;
-    PetscCall(PetscFree(pressure->closure_diagonal));
-    PetscCall(PetscFree(pressure->pair_diagonal));
-    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->closure_diagonal));
-    PetscCall(PetscMalloc1(pressure->rows_capacity, &pressure->pair_diagonal));
+    PetscCall(PetscFree3(pressure->closure_diagonal, pressure->pair_diagonal, pressure->level_diagonal));
+    PetscCall(PetscMalloc3(pressure->rows_capacity, &pressure->closure_diagonal, pressure->rows_capacity,
+                           &pressure->pair_diagonal, pressure->rows_capacity, &pressure->level_diagonal));
   }
   for (PetscInt r = 0; r < cloud->n_rows; r++)
     pressure->pair_diagonal[r] = pressure->weight_scale * WeightSum(pressure, r, PETSC_FALSE);
@@ -192,7 +191,7 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, cloud->comm));
   /* Liquid without a free surface fills the whole box, since a gap would be a surface. So the null space is one
-     constant or nothing. */
+     constant or nothing; FindLevel may find that it is nothing. */
   pressure->constant_null = (PetscBool)(count[0] == 0);
   pressure->empty_rows    = count[1];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -279,6 +278,39 @@ PetscErrorCode PressureMultiply(Pressure pressure, const PetscReal p[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether terms of low rank hold the level of the pressure, which no closed row does. With L their sum and 1 the
+   constant, the preconditioner gets the diagonal L 1 in place of L, which is the same for the constant. */
+static PetscErrorCode FindLevel(Pressure pressure)
+{
+  const PetscInt n     = pressure->cloud->n_rows;
+  PetscReal      moved = 0;
+  PetscScalar   *one, *level;
+  PetscBool      held = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  pressure->level_held = PETSC_FALSE;
+  for (PetscInt k = 0; k < pressure->low_ranks && pressure->constant_null && !held; k++)
+    if (pressure->low_rank[k].term->level)
+      PetscCall(pressure->low_rank[k].term->level(pressure->low_rank[k].context, pressure, &held));
+  if (!held) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(n, &one));
+  PetscCall(PetscCalloc1(n, &level));
+  for (PetscInt r = 0; r < n; r++) one[r] = pressure->pair_diagonal[r] > 0 ? 1 : 0;
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->add)
+      PetscCall(pressure->low_rank[k].term->add(pressure->low_rank[k].context, pressure, one, level));
+  for (PetscInt r = 0; r < n; r++) {
+    pressure->level_diagonal[r] = PetscMax(0, PetscRealPart(level[r] * one[r]));
+    moved += pressure->level_diagonal[r];
+  }
+  PetscCall(PetscFree(level));
+  PetscCall(PetscFree(one));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &moved, 1, MPIU_REAL, MPI_SUM, pressure->cloud->comm));
+  pressure->level_held    = (PetscBool)(moved > 0); /* while the packing settles, nothing moves */
+  pressure->constant_null = (PetscBool)!pressure->level_held;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The product of both operators, without and with the terms of low rank. If the pressure is known up to a constant, a
    constant moves nothing: the component along the constant, from rounding and disorder in these terms, is removed. */
 static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
@@ -298,7 +330,8 @@ static PetscErrorCode MatMult_Pairs(Mat A, Vec x, Vec y)
       if (pressure->low_rank[k].term->add)
         PetscCall(pressure->low_rank[k].term->add(pressure->low_rank[k].context, pressure, p, sum));
     PetscCall(MatGetNullSpace(A, &constant));
-  }
+  } else if (pressure->level_held)
+    for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) sum[r] += pressure->level_diagonal[r] * p[r];
   PetscCall(VecRestoreArrayWrite(y, &sum));
   PetscCall(VecRestoreArrayRead(x, &p));
   if (constant) PetscCall(MatNullSpaceRemove(constant, y));
@@ -318,8 +351,7 @@ static PetscErrorCode MatGetDiagonal_Pairs(Mat A, Vec d)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &pressure));
   PetscCall(VecGetArrayWrite(d, &value));
-  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
-    value[r] = pressure->pair_diagonal[r] + pressure->closure_diagonal[r];
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) value[r] = PressureDiagonal(pressure, r);
   PetscCall(VecRestoreArrayWrite(d, &value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -346,6 +378,7 @@ PetscErrorCode OperatorSetUp(Pressure pressure)
   for (PetscInt k = 0; k < pressure->low_ranks; k++)
     if (pressure->low_rank[k].term->set_up)
       PetscCall(pressure->low_rank[k].term->set_up(pressure->low_rank[k].context, pressure));
+  PetscCall(FindLevel(pressure));
   if (!pressure->operator) PetscCall(CreateShell(pressure, &pressure->operator));
   if (!pressure->coupled && pressure->low_ranks) PetscCall(CreateShell(pressure, &pressure->coupled));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -184,8 +184,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   if (!p) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PressureReset(p));
   for (PetscInt s = 0; s < 2; s++) PetscCall(MatrixStoreReset(&p->store[s]));
-  PetscCall(PetscFree(p->closure_diagonal));
-  PetscCall(PetscFree(p->pair_diagonal));
+  PetscCall(PetscFree3(p->closure_diagonal, p->pair_diagonal, p->level_diagonal));
   PetscCall(PetscFree(p->pair_weight));
   PetscCall(PetscFree(p->weight_sum));
   PetscCall(PetscFree(p->parent_row));

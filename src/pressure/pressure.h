@@ -122,6 +122,8 @@ typedef struct {
      the accelerations ([n_total][3], m/s2) of its dummy particles of this rank */
   PetscErrorCode (*yield)(void *context, Pressure pressure, const PetscReal force[], PetscReal acceleration[],
                           PetscReal y[]);
+  /* *held: L holds the level of the pressure where no row is closed, as the ram of a hydraulic jack does */
+  PetscErrorCode (*level)(void *context, Pressure pressure, PetscBool *held);
 } LowRank;
 
 /* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureParent -
@@ -145,8 +147,8 @@ PetscBool        PressureCloses(Pressure pressure, PetscInt a);
 const PetscReal *PressureClosure(Pressure pressure);
 PetscReal        PressureStep(Pressure pressure);
 PetscReal        PressureFull(Pressure pressure);
-/* PressureIsClosed - whether no row of the last solve was closed: the liquid has no free surface anywhere. Not
-   collective. */
+/* PressureIsClosed - whether the last solve had no closed row, and no term that holds the level of the pressure: the
+   liquid has nowhere to go. Not collective. */
 PetscBool PressureIsClosed(Pressure pressure);
 /* PressureDensity - the density by which the operators divide, [n_total] kg/m3: summed or rest. Not collective. */
 const PetscReal *PressureDensity(Pressure pressure);

@@ -93,9 +93,11 @@ struct _p_Pressure {
   PetscReal *weight_sum;       /* [n_owned] of pair_weight */
   PetscReal *pair_diagonal;    /* [n_rows] sum of K_ab */
   PetscReal *closure_diagonal; /* [n_rows] the closure's addition; an empty row has a full diagonal */
+  PetscReal *level_diagonal;   /* [n_rows] for the preconditioner, if terms of low rank hold the level: see FindLevel */
   PetscInt   rows_capacity, sum_capacity;
   PetscInt64 weight_capacity;
-  PetscBool  constant_null; /* no row is closed: the pressure is known up to a constant */
+  PetscBool  constant_null; /* neither closed rows nor terms of low rank hold the level of the pressure */
+  PetscBool  level_held;    /* terms of low rank hold it, and no row is closed */
   PetscInt  empty_rows; /* rows without pairs, of all ranks, for instance deep in a solid; the constant is zero there */
   PetscReal dt;         /* s, of the right-hand side */
   PetscReal kept_share; /* PressureSetKeptShare */
@@ -146,6 +148,13 @@ static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
 
 /* RowsNumber - numbers the rows if the cloud's layout is new. Collective. */
 PetscErrorCode RowsNumber(Pressure pressure);
+/* PressureDiagonal - the diagonal of row r in the matrix of the preconditioner. Not collective. */
+static inline PetscReal PressureDiagonal(Pressure pressure, PetscInt r)
+{
+  return pressure->pair_diagonal[r] + pressure->closure_diagonal[r] +
+         (pressure->level_held ? pressure->level_diagonal[r] : 0);
+}
+
 /* EquationOf - the operator of a step's equation, with the terms of low rank. Not collective. */
 static inline Mat EquationOf(Pressure pressure)
 {

@@ -104,4 +104,28 @@ across, up = [n for n in away.dtype.names if n.startswith("float_velocity_")]
 runs.check(len(close) > 4 and abs(away[up][-1]) > 0.01, "the box heaves", away[up])
 runs.check_below(max(abs(away[across]).max(), abs(close[across]).max()), 1e-4, "the box is not pushed sideways")
 runs.check_below(abs(away[up] - close[up]).max(), 1e-4, "it heaves alike at two places")
+# A hydraulic jack: liquid without a free surface, of which a plunger 0.1 m wide presses 0.006 m2 under a ram 0.3 m wide.
+# The ram rises by 0.02 m, and carries its weight. The same for an emitter that fills a round cylinder under a ram.
+JACK = """-dimension 2 -spacing 0.0125 -box_lower 0,0 -box_upper 0.5,0.5 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies base,left,right -base_upper 0.5,0.1 -left_lower 0,0.1 -left_upper 0.1,0.3 -right_lower 0.2,0.1
+ -right_upper 0.5,0.2 -solids middle,plunger,ram -middle_lower 0.1,0.1 -middle_upper 0.2,0.5 -plunger_lower 0,0.3
+ -plunger_upper 0.1,0.35 -plunger_velocity 0,-0.2 -ram_lower 0.2,0.2 -ram_upper 0.5,0.25 -ram_mass 30 -ram_turns 0
+ -gauge_forces -time_end 0.3 -series_interval 0.01 -checkpoint_interval 0 """
+LIFT = """-dimension axisymmetric -spacing 0.0125 -box_lower 0,-0.1 -box_upper 0.1,0.4 -box_xmax wall -box_ymin wall
+ -gravity 0,-9.81 -bodies feed,water -feed_type emitter -feed_lower 0,-0.1 -feed_upper 0.1,-0.05 -feed_velocity 0,0.2
+ -water_lower 0,-0.05 -water_upper 0.1,0.1 -solids ram -ram_lower 0,0.1 -ram_upper 0.1,0.15 -ram_mass 3
+ -gauge_forces -time_end 0.3 -series_interval 0.01 -checkpoint_interval 0 """
+for name, scene, rise, weight in (("jack", JACK, 0.02, 30 * 9.81), ("cylinder", LIFT, 0.06, 3 * 9.81)):
+    s = runs.series(runs.run(scene, name))
+    place, = (n for n in s.dtype.names if n.startswith("ram_y"))
+    force, = (n for n in s.dtype.names if n.startswith("force_ram_y"))
+    runs.check_below(abs(s[place][-1] - s[place][0] - rise) / 0.0125, 0.2, f"rise of the ram in spacings, {name}")
+    runs.check_within(s[force][len(s) // 3:].mean() / weight, 0.95, 1.05, f"the liquid carries the ram, {name}")
+    runs.check_below(s["density_error"].max(), 0.02, f"the liquid is not compressed, {name}")
+# A box that has sunk to the floor of a full vessel is no ram: nothing is empty before it.
+s = runs.series(runs.run("""-dimension 2 -spacing 0.0125 -box_lower 0,0 -box_upper 0.3,0.3 -box_x wall -box_y wall
+ -gravity 0,-9.81 -bodies water -solids block -block_lower 0.1,0.05 -block_upper 0.2,0.1 -block_mass 20
+ -time_end 0.3 -series_interval 0.01 -checkpoint_interval 0""", "sunk"))
+place, = (n for n in s.dtype.names if n.startswith("block_y"))
+runs.check_below(s[place][-1], 0.045, "the box has come to the floor of a full vessel")
 runs.done()
