@@ -104,8 +104,9 @@ across, up = [n for n in away.dtype.names if n.startswith("float_velocity_")]
 runs.check(len(close) > 4 and abs(away[up][-1]) > 0.01, "the box heaves", away[up])
 runs.check_below(max(abs(away[across]).max(), abs(close[across]).max()), 1e-4, "the box is not pushed sideways")
 runs.check_below(abs(away[up] - close[up]).max(), 1e-4, "it heaves alike at two places")
-# A hydraulic jack: liquid without a free surface, of which a plunger 0.1 m wide presses 0.006 m2 under a ram 0.3 m wide.
-# The ram rises by 0.02 m, and carries its weight. The same for an emitter that fills a round cylinder under a ram.
+# A hydraulic jack: liquid without a free surface, of which a plunger 0.1 m wide presses 0.006 m2 under a ram that is
+# 0.3 m wide. It rises by 0.02 m, and the liquid carries its weight. The same for an
+# emitter that fills a round cylinder under a ram.
 JACK = """-dimension 2 -spacing 0.0125 -box_lower 0,0 -box_upper 0.5,0.5 -box_x wall -box_ymin wall -gravity 0,-9.81
  -bodies base,left,right -base_upper 0.5,0.1 -left_lower 0,0.1 -left_upper 0.1,0.3 -right_lower 0.2,0.1
  -right_upper 0.5,0.2 -solids middle,plunger,ram -middle_lower 0.1,0.1 -middle_upper 0.2,0.5 -plunger_lower 0,0.3

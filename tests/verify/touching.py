@@ -42,8 +42,8 @@ def dry():
     low = int(np.argmin(y))
     runs.check_below(abs(y[low] - 0.08) / SPACING, 0.25, "a ball comes to the floor")
     runs.check_within(v[low:].max() / np.sqrt(2 * G * fall), 0.97 * rebound, 1.01 * rebound, "and rebounds")
-    # A box slides along a rail, without friction: the dummy particles of the rail that its edges pass do not stop it. In
-    # space the rail is behind it in two directions.
+    # A box slides along a rail, without friction: the dummy particles of the rail that its edges pass do not stop it.
+    # In space there are two rails.
     for name, scene in (("plane", DRY + """-b_lower 0.2,0.1 -b_upper 0.3,0.9 -a_lower 0.3,0.15 -a_upper 0.5,0.35
  -a_mass 40 -a_velocity 0,0.5"""), ("space", """-dimension 3 -spacing 0.05 -box_lower 0,0,0 -box_upper 1,0.4,1
  -box_x wall -box_y wall -box_zmin wall -bodies water -water_lower 0.9,0,0 -water_upper 1,0.4,0.1 -solids b,c,a
