@@ -8,14 +8,24 @@
 #define NEAR_WET 1.01 /* spacings around a particle inside in which a cell is full */
 #define IMAGES   27
 
-enum { TOUCH_EMPTY, TOUCH_FULL, TOUCH_NEAR };
+enum { TOUCH_FULL = 1, TOUCH_WALL = 2, TOUCH_NEAR = 4 };
+
+static const GasImage Itself = {{1, 1, 1}, {0, 0, 0}};
+
+/* Whether a particle at x has no image but itself within 'reach' (m) of the box. */
+static PetscBool Alone(const GasCells *cells, const PetscReal x[DIM], PetscReal reach)
+{
+  for (PetscInt d = 0; d < DIM; d++)
+    if (x[d] - reach <= cells->single[d][0] || x[d] + reach >= cells->single[d][1]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
 
 /* The images of a particle at x that are within 'reach' (m) of the box, itself first. Returns their number. */
 static PetscInt Images(Domain domain, const PetscReal x[DIM], PetscReal reach, GasImage image[IMAGES])
 {
   PetscInt n = 1;
 
-  image[0] = (GasImage){{1, 1, 1}, {0, 0, 0}};
+  image[0] = Itself;
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscReal length = domain->upper[d] - domain->lower[d];
     const PetscInt  before = n;
@@ -51,6 +61,13 @@ static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
     PetscReal length = domain->upper[d] - domain->lower[d];
 
     cells->lower[d] = domain->lower[d];
+    for (PetscInt side = 0; side < 2; side++) {
+      const PetscBool images =
+        (PetscBool)(domain->face[d][side] == FACE_PERIODIC || domain->face[d][side] == FACE_SYMMETRY);
+
+      cells->single[d][side] = d < domain->dim && images ? (side ? domain->upper[d] : domain->lower[d])
+                                                         : (side ? PETSC_INFINITY : PETSC_NINFINITY);
+    }
     for (PetscInt side = 0; side < 2 && d < domain->dim; side++) {
       if (domain->face[d][side] != FACE_WALL) continue;
       length += MARGIN * domain->spacing;
@@ -73,21 +90,26 @@ static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
   }
   PetscCall(PetscMalloc1(cells->all, &cells->block));
   PetscCall(PetscMalloc1(cells->all, &cells->home));
-  PetscCall(PetscMalloc1(cells->all, &cells->close));
-  PetscCall(PetscMalloc1(cells->all, &cells->seen));
-  PetscCall(PetscMalloc1(cells->all, &cells->held));
+  for (GasSet *const *set = (GasSet *const[]){&cells->close, &cells->seen, &cells->held, NULL}; *set; set++) {
+    PetscCall(PetscMalloc1(cells->all, &(*set)->mask));
+    PetscCall(PetscMalloc1(cells->all, &(*set)->beside));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
-                        PetscInt first[DIM], PetscInt last[DIM])
+/* The cells first .. last whose middles lie within 'reach' (m) of x (m); false: there are none. */
+static PetscBool Range(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
+                       PetscInt first[DIM], PetscInt last[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) {
     first[d] = last[d] = 0;
     if (d >= domain->dim) continue;
-    first[d] = (PetscInt)PetscMax(0, PetscCeilReal((x[d] - reach - cells->lower[d]) * cells->many[d] - 0.5));
-    last[d] =
-      (PetscInt)PetscMin(cells->n[d] - 1., PetscFloorReal((x[d] + reach - cells->lower[d]) * cells->many[d] - 0.5));
+    const PetscReal from = (x[d] - reach - cells->lower[d]) * cells->many[d] - 0.5,
+                    to   = (x[d] + reach - cells->lower[d]) * cells->many[d] - 0.5;
+
+    if (!(to >= 0 && from <= cells->n[d] - 1)) return PETSC_FALSE;
+    if (from > 0) first[d] = (PetscInt)from, first[d] += first[d] < from;
+    last[d] = to < cells->n[d] ? (PetscInt)to : cells->n[d] - 1;
     if (first[d] > last[d]) return PETSC_FALSE;
   }
   return PETSC_TRUE;
@@ -95,9 +117,8 @@ PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[
 
 void GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM])
 {
-  const PetscInt *s = cells->shift, inside = node % cells->per,
-                 home =
-                   node < cells->near * cells->per ? cells->home[node / cells->per] : node - cells->near * cells->per;
+  const PetscInt *s = cells->shift, inside = node & (cells->per - 1), all = s[0] + s[1] + s[2],
+                 home = node < cells->near * cells->per ? cells->home[node >> all] : node - cells->near * cells->per;
 
   CellCoordinates(cells->blocks, home, at);
   for (PetscInt d = 0; d < DIM; d++) at[d] <<= s[d];
@@ -105,6 +126,44 @@ void GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM])
   at[0] += inside & ((1 << s[0]) - 1);
   at[1] += (inside >> s[0]) & ((1 << s[1]) - 1);
   at[2] += inside >> (s[0] + s[1]);
+}
+
+/* beside[]: whether block (at[0], at[1], at[2]) or one beside it is one of those that are added. */
+static void AddBeside(const GasCells *cells, PetscInt home, unsigned char beside[])
+{
+  PetscInt at[DIM], from[DIM], to[DIM];
+
+  CellCoordinates(cells->blocks, home, at);
+  for (PetscInt d = 0; d < DIM; d++) {
+    from[d] = PetscMax(0, at[d] - 1);
+    to[d]   = PetscMin(cells->blocks[d] - 1, at[d] + 1);
+    at[d]   = from[d];
+  }
+  do beside[CellIndex(cells->blocks, at[0], at[1], at[2])] = 1;
+  while (CellNext(from, to, at));
+}
+
+void GasSetBeside(const GasCells *cells, GasSet *set)
+{
+  for (PetscInt b = 0; b < cells->all; b++) set->beside[b] = 0;
+  for (PetscInt b = 0; b < cells->near; b++)
+    if (set->mask[b]) AddBeside(cells, cells->home[b], set->beside);
+}
+
+/* Whether there may be cells within 'reach' (m) of x in blocks that have been added to beside. */
+static PetscBool MayReach(const GasCells *cells, Domain domain, const unsigned char beside[], const PetscReal x[DIM],
+                          PetscReal reach)
+{
+  PetscInt home = 0;
+
+  for (PetscInt d = domain->dim - 1; d >= 0; d--) {
+    const PetscReal at = (x[d] - cells->lower[d]) * cells->many[d];
+
+    if (reach * cells->many[d] > 1 << SHIFT) return PETSC_TRUE; /* beyond the blocks beside it */
+    home *= cells->blocks[d];
+    if (at > 0) home += at < cells->n[d] ? (PetscInt)at >> SHIFT : cells->blocks[d] - 1;
+  }
+  return (PetscBool)beside[home];
 }
 
 /* inside[a]: what is next to owned particle a is full: it is inside liquid, or of a wall or solid beside such liquid.
@@ -124,12 +183,18 @@ typedef void (*Visitor)(GasCells *cells, Cloud cloud, PetscInt a, PetscBool insi
 
 static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Visitor visit, void *context)
 {
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
-    const PetscReal  reach = cloud->size[a] * KernelSupport(cloud->kernel);
-    GasImage         image[IMAGES];
-    const PetscInt   n = Images(cloud->domain, x, reach, image);
+  const PetscReal support = KernelSupport(cloud->kernel);
 
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+    GasImage         image[IMAGES];
+    PetscInt         n;
+
+    if (Alone(cells, x, cloud->size[a] * support)) {
+      visit(cells, cloud, a, inside[a], x, context);
+      continue;
+    }
+    n = Images(cloud->domain, x, cloud->size[a] * support, image);
     for (PetscInt k = 0; k < n; k++) {
       PetscReal y[DIM];
 
@@ -139,43 +204,38 @@ static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Vi
   }
 }
 
-/* The blocks that a particle touches; context: [all] TOUCH_... */
+/* The blocks that a particle touches; context: [all] TOUCH_..., of what is inside, of other particles of walls of the
+   box, and of the rest. */
 static void TouchBlocks(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM],
                         void *context)
 {
   const Domain   domain = cloud->domain;
   unsigned char *touch  = (unsigned char *)context;
+  unsigned char  kind   = inside ? TOUCH_FULL : cloud->integer[INT_BODY][a] == BODY_WALL ? TOUCH_WALL : TOUCH_NEAR;
   PetscInt       first[DIM], last[DIM];
 
-  if (!GasCellsRange(cells, domain, x, cloud->size[a] * (inside ? domain->spacing : KernelSupport(cloud->kernel)),
-                     first, last))
+  if (!Range(cells, domain, x, cloud->size[a] * (inside ? domain->spacing : KernelSupport(cloud->kernel)), first, last))
     return;
   for (PetscInt d = 0; d < DIM; d++) first[d] >>= cells->shift[d], last[d] >>= cells->shift[d];
   for (PetscInt k = first[2]; k <= last[2]; k++)
     for (PetscInt j = first[1]; j <= last[1]; j++)
-      for (PetscInt i = first[0]; i <= last[0]; i++) {
-        unsigned char *block = &touch[CellIndex(cells->blocks, i, j, k)];
-
-        *block = (unsigned char)PetscMax(*block, inside ? TOUCH_FULL : TOUCH_NEAR);
-      }
+      for (PetscInt i = first[0]; i <= last[0]; i++) touch[CellIndex(cells->blocks, i, j, k)] |= kind;
 }
 
-static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool inside[])
+/* touch: [all] */
+static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool inside[], unsigned char touch[])
 {
-  unsigned char *touch;
-
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(cells->all, &touch));
+  PetscCall(PetscArrayzero(touch, cells->all));
   ForImages(cells, cloud, inside, TouchBlocks, touch);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touch, (PetscMPIInt)cells->all, MPI_UNSIGNED_CHAR, MPI_MAX, cloud->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touch, (PetscMPIInt)cells->all, MPI_UNSIGNED_CHAR, MPI_BOR, cloud->comm));
   cells->near = 0;
   for (PetscInt b = 0; b < cells->all; b++) {
-    cells->block[b] = touch[b] == TOUCH_EMPTY ? BLOCK_EMPTY : BLOCK_FULL;
-    if (touch[b] != TOUCH_NEAR) continue;
+    cells->block[b] = touch[b] ? BLOCK_FULL : BLOCK_EMPTY;
+    if (touch[b] <= TOUCH_FULL) continue;
     cells->home[cells->near] = b;
     cells->block[b]          = cells->near++;
   }
-  PetscCall(PetscFree(touch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,30 +263,40 @@ static GasMask Bits(PetscInt width, PetscInt lo, PetscInt hi)
   return ((GasMask)2 << (width * (hi + 1) - 1)) - ((GasMask)1 << (width * lo));
 }
 
+/* The cells first .. last along direction d of the blocks 'at' along it. */
+static GasMask SlabMask(const GasCells *cells, PetscInt d, PetscInt at, PetscInt first, PetscInt last)
+{
+  const GasMask  each[DIM] = {0x1111111111111111, 0x0001000100010001, 1};
+  const PetscInt origin = at << cells->shift[d], lo = PetscMax(0, first - origin),
+                 hi = PetscMin((1 << cells->shift[d]) - 1, last - origin);
+
+  return lo > hi ? 0 : Bits((PetscInt)1 << (SHIFT * d), lo, hi) * each[d];
+}
+
 /* The cells first .. last of the block (at[0], at[1], at[2]). */
 static GasMask BoxMask(const GasCells *cells, const PetscInt at[DIM], const PetscInt first[DIM],
                        const PetscInt last[DIM])
 {
-  const GasMask each[DIM] = {0x1111111111111111, 0x0001000100010001, 1};
-  GasMask       mask      = ~(GasMask)0;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    const PetscInt lo = PetscMax(0, first[d] - (at[d] << cells->shift[d])),
-                   hi = PetscMin((1 << cells->shift[d]) - 1, last[d] - (at[d] << cells->shift[d]));
-
-    mask &= Bits((PetscInt)1 << (SHIFT * d), lo, hi) * each[d];
-  }
-  return mask;
+  return SlabMask(cells, 0, at[0], first[0], last[0]) & SlabMask(cells, 1, at[1], first[1], last[1]) &
+         SlabMask(cells, 2, at[2], first[2], last[2]);
 }
 
-/* context: [near] masks of the cells near what is inside, and beside them those within the support of the others */
+typedef struct {
+  GasMask       *wet, *close; /* [near] the cells near what is inside, and those within the support of the others */
+  unsigned char *beside;      /* [all] whether a block or one beside it has cells */
+} Marks;
+
+/* context: Marks */
 static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM], void *context)
 {
-  GasMask        *mask  = (GasMask *)context + (inside ? 0 : cells->near);
+  const Marks    *marks = (const Marks *)context;
+  GasMask        *mask  = inside ? marks->wet : marks->close;
   const PetscReal reach = inside ? NEAR_WET * cloud->domain->spacing : KernelSupport(cloud->kernel);
   PetscInt        first[DIM], last[DIM], from[DIM], to[DIM], at[DIM];
 
-  if (!GasCellsRange(cells, cloud->domain, x, cloud->size[a] * reach, first, last)) return;
+  if (!MayReach(cells, cloud->domain, marks->beside, x, cloud->size[a] * reach) ||
+      !Range(cells, cloud->domain, x, cloud->size[a] * reach, first, last))
+    return;
   for (PetscInt d = 0; d < DIM; d++) {
     at[d] = from[d] = first[d] >> cells->shift[d];
     to[d]           = last[d] >> cells->shift[d];
@@ -242,71 +312,103 @@ static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
 static void Visit(const GasCells *cells, Kernel kernel, GasNear *near, GasVisitor visit, void *context)
 {
   if (!near->n) return;
-  KernelEvaluate(kernel, near->n, near->r2, near->W, near->F);
+  KernelEvaluate(kernel, near->n, near->r2, near->W, near->slopes ? near->F : NULL);
   visit(cells, near, context);
   near->n = 0;
 }
 
-/* Adds the cells of a mask of the block (at[0], at[1], at[2]) that are within the support of the particle at x. */
-static void AddBlock(const GasCells *cells, Cloud cloud, GasMask mask, const PetscInt at[DIM], const PetscReal x[DIM],
-                     PetscReal size, GasVisitor visit, void *context, GasNear *near)
+#define EDGE (1 << SHIFT)  /* cells of a block along a direction, */
+#define SIDE (EDGE * EDGE) /* and of a layer of it */
+
+/* The vectors from the middles of the cells of blocks 'at' of direction d to x, in units of size 1/per. */
+static void Vectors(const GasCells *cells, PetscInt d, PetscInt at, PetscReal x, PetscReal per, PetscReal r[EDGE])
 {
-  const PetscReal support2 = PetscSqr(KernelSupport(cloud->kernel)), per = 1 / size;
-  const PetscInt  node = cells->block[CellIndex(cells->blocks, at[0], at[1], at[2])] * cells->per, *s = cells->shift;
-  PetscReal       from[DIM] = {0, 0, 0}, step[DIM] = {0, 0, 0};
+  const PetscReal from = (x - cells->lower[d] - ((at << SHIFT) + 0.5) * cells->size[d]) * per,
+                  step = cells->size[d] * per;
 
-  for (PetscInt d = 0; d < cloud->domain->dim; d++) {
-    from[d] = (x[d] - cells->lower[d] - ((at[d] << s[d]) + 0.5) * cells->size[d]) * per;
-    step[d] = cells->size[d] * per;
-  }
+  for (PetscInt i = 0; i < EDGE; i++) r[i] = from - i * step;
+}
+
+/* Adds the cells of a mask of a block, whose first node is 'node', that have vectors r within the support. */
+static void AddBlock(GasMask mask, PetscInt node, const PetscReal volume[], PetscReal support2, PetscReal r[DIM][EDGE],
+                     GasNear *near)
+{
+  PetscReal flat[SIDE];
+  PetscInt  n = near->n;
+
+  for (PetscInt c = 0; c < SIDE; c++) flat[c] = PetscSqr(r[0][c % EDGE]) + PetscSqr(r[1][c / EDGE]);
   for (; mask; mask &= mask - 1) {
-    const PetscInt cell = __builtin_ctzll(mask), i = cell & ((1 << s[0]) - 1), j = (cell >> s[0]) & ((1 << s[1]) - 1),
-                   k       = cell >> (s[0] + s[1]);
-    const PetscReal r[DIM] = {from[0] - i * step[0], from[1] - j * step[1], from[2] - k * step[2]}, r2 = Dot(r, r);
+    const unsigned  cell = (unsigned)__builtin_ctzll(mask), i = cell % EDGE, j = cell / EDGE % EDGE, k = cell / SIDE;
+    const PetscReal r2 = flat[cell % SIDE] + PetscSqr(r[2][k]);
 
-    if (r2 >= support2) continue;
-    near->node[near->n]   = node + cell;
-    near->volume[near->n] = cells->column[(at[0] << s[0]) + i];
-    near->r2[near->n]     = r2;
-    for (PetscInt d = 0; d < DIM; d++) near->r[near->n][d] = r[d];
-    if (++near->n == GAS_NEAR) Visit(cells, cloud->kernel, near, visit, context);
+    near->node[n] = node + (PetscInt)cell;
+    near->r2[n]   = r2;
+    if (near->slopes) {
+      near->volume[n] = volume[i];
+      near->r[n][0]   = r[0][i];
+      near->r[n][1]   = r[1][j];
+      near->r[n][2]   = r[2][k];
+    }
+    n += r2 < support2;
   }
+  near->n = n;
 }
 
 /* For the image of a particle at x. */
-static void ForImage(const GasCells *cells, Cloud cloud, const GasMask set[], PetscInt a, const GasImage *image,
-                     const PetscReal x[DIM], GasVisitor visit, void *context)
+static void ForImage(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, const GasImage *image,
+                     const PetscReal x[DIM], PetscReal reach, PetscBool slopes, GasVisitor visit, void *context)
 {
-  PetscInt first[DIM], last[DIM], from[DIM], to[DIM], at[DIM];
-  GasNear  near;
+  const PetscReal support2 = PetscSqr(KernelSupport(cloud->kernel)), per = 1 / cloud->size[a];
+  const PetscInt *shift = cells->shift;
+  PetscInt        first[DIM], last[DIM];
+  PetscReal       r[DIM][EDGE] = {{0}};
+  GasNear         near;
 
-  if (!GasCellsRange(cells, cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), first, last)) return;
-  for (PetscInt d = 0; d < DIM; d++) {
-    at[d] = from[d] = first[d] >> cells->shift[d];
-    to[d]           = last[d] >> cells->shift[d];
+  if (!MayReach(cells, cloud->domain, set->beside, x, reach) || !Range(cells, cloud->domain, x, reach, first, last))
+    return;
+  near.n      = 0;
+  near.image  = image;
+  near.slopes = slopes;
+  for (PetscInt k = first[2] >> shift[2]; k <= last[2] >> shift[2]; k++) {
+    const GasMask layer = SlabMask(cells, 2, k, first[2], last[2]);
+
+    if (cloud->domain->dim > 2) Vectors(cells, 2, k, x[2], per, r[2]);
+    for (PetscInt j = first[1] >> shift[1]; j <= last[1] >> shift[1]; j++) {
+      const GasMask row = layer & SlabMask(cells, 1, j, first[1], last[1]);
+
+      Vectors(cells, 1, j, x[1], per, r[1]);
+      for (PetscInt i = first[0] >> shift[0]; i <= last[0] >> shift[0]; i++) {
+        const PetscInt block = cells->block[CellIndex(cells->blocks, i, j, k)];
+        const GasMask  mask  = block < 0 ? 0 : set->mask[block] & row & SlabMask(cells, 0, i, first[0], last[0]);
+
+        if (!mask) continue;
+        if (near.n > GAS_NEAR - cells->per) Visit(cells, cloud->kernel, &near, visit, context);
+        Vectors(cells, 0, i, x[0], per, r[0]);
+        AddBlock(mask, block * cells->per, cells->column + (i << SHIFT), support2, r, &near);
+      }
+    }
   }
-  near.n     = 0;
-  near.image = image;
-  do {
-    const PetscInt block = cells->block[CellIndex(cells->blocks, at[0], at[1], at[2])];
-    const GasMask  mask  = block >= 0 && set[block] ? set[block] & BoxMask(cells, at, first, last) : 0;
-
-    if (mask) AddBlock(cells, cloud, mask, at, x, cloud->size[a], visit, context, &near);
-  } while (CellNext(from, to, at));
   Visit(cells, cloud->kernel, &near, visit, context);
 }
 
-void GasCellsNear(const GasCells *cells, Cloud cloud, const GasMask set[], PetscInt a, GasVisitor visit, void *context)
+void GasCellsNear(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, PetscBool slopes, GasVisitor visit,
+                  void *context)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
+  const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
+  const PetscReal  reach = cloud->size[a] * KernelSupport(cloud->kernel);
   GasImage         image[IMAGES];
-  const PetscInt   n = Images(cloud->domain, x, cloud->size[a] * KernelSupport(cloud->kernel), image);
+  PetscInt         n;
 
+  if (Alone(cells, x, reach)) {
+    ForImage(cells, cloud, set, a, &Itself, x, reach, slopes, visit, context);
+    return;
+  }
+  n = Images(cloud->domain, x, reach, image);
   for (PetscInt k = 0; k < n; k++) {
     PetscReal y[DIM];
 
     Map(&image[k], x, y);
-    ForImage(cells, cloud, set, a, &image[k], y, visit, context);
+    ForImage(cells, cloud, set, a, &image[k], y, reach, slopes, visit, context);
   }
 }
 
@@ -328,7 +430,7 @@ static void FillFrom(const GasCells *cells, Cloud cloud, PetscInt first, PetscRe
   for (PetscInt a = first; a < cloud->n_owned; a++) {
     Filling filling = {sum, GasPart(cloud, a, full)};
 
-    GasCellsNear(cells, cloud, cells->close, a, AddFilled, &filling);
+    GasCellsNear(cells, cloud, &cells->close, a, PETSC_FALSE, AddFilled, &filling);
   }
 }
 
@@ -365,10 +467,10 @@ static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, const GasMask wet
     unsigned char *core = &cells->core[cells->home[c / cells->per] * cells->per + c % cells->per];
     const GasMask  bit  = (GasMask)1 << (c % cells->per);
 
-    if (wet[c / cells->per] & ~cells->close[c / cells->per] & bit) continue;
+    if (wet[c / cells->per] & ~cells->close.mask[c / cells->per] & bit) continue;
     if (*core == CORE_UNKNOWN) *core = CoreOf(cells, cloud, c);
     if (*core == CORE_HOLLOW || (*core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
-    if (*core == CORE_HOLLOW) cells->close[c / cells->per] &= ~bit;
+    if (*core == CORE_HOLLOW) cells->close.mask[c / cells->per] &= ~bit;
   }
   for (PetscInt b = 0; b < cells->all; b++)
     if (cells->block[b] == BLOCK_EMPTY && CoreOf(cells, cloud, cells->near * cells->per + b) > CORE_OUTSIDE)
@@ -376,32 +478,74 @@ static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, const GasMask wet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved)
+/* Finds the cells that particles inside and others touch, but not those of dry blocks (touch: see FillDry) if these are
+   'left' out. */
+static PetscErrorCode FindMarks(GasCells *cells, Cloud cloud, const PetscBool inside[], const unsigned char touch[],
+                                PetscBool left, Marks *marks)
 {
-  PetscInt   count;
-  PetscBool *inside;
-  GasMask   *wet;
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(2 * cells->near, &marks->wet));
+  PetscCall(PetscCalloc1(cells->all, &marks->beside));
+  marks->close = marks->wet + cells->near;
+  for (PetscInt b = 0; b < cells->near; b++)
+    if (!left || touch[cells->home[b]] != TOUCH_WALL) AddBeside(cells, cells->home[b], marks->beside);
+  ForImages(cells, cloud, inside, MarkCells, marks);
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, marks->wet, (PetscMPIInt)(2 * cells->near), MPI_UINT64_T, MPI_BOR, cloud->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The cells of dry blocks, which nothing but dry walls of the box touches, without sums: what is in the box is empty.
+ */
+static void FillDry(GasCells *cells, Domain domain, const unsigned char touch[])
+{
+  PetscInt first[DIM] = {0, 0, 0}, last[DIM] = {0, 0, 0}, at[DIM];
+
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    first[d] = (PetscInt)PetscCeilReal((domain->lower[d] - cells->lower[d]) * cells->many[d] - 0.5);
+    last[d]  = (PetscInt)PetscFloorReal((domain->upper[d] - cells->lower[d]) * cells->many[d] - 0.5);
+  }
+  for (PetscInt b = 0; b < cells->near; b++) {
+    GasMask in = 0;
+
+    if (touch[cells->home[b]] != TOUCH_WALL) continue;
+    CellCoordinates(cells->blocks, cells->home[b], at);
+    in = BoxMask(cells, at, first, last);
+    for (PetscInt c = 0; c < cells->per; c++) cells->filled[b * cells->per + c] = (PetscReal) !(in >> c & 1);
+  }
+}
+
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved, PetscBool exact)
+{
+  PetscInt       count;
+  PetscBool     *inside;
+  unsigned char *touch;
+  Marks          marks;
 
   PetscFunctionBegin;
   PetscCall(SetGrid(cells, cloud->domain));
-  PetscCall(PetscMalloc1(cloud->n_owned, &inside));
+  PetscCall(PetscMalloc2(cloud->n_owned, &inside, cells->all, &touch));
   PetscCall(FindInside(cloud, pressure, inside));
-  PetscCall(SetBlocks(cells, cloud, inside));
+  PetscCall(SetBlocks(cells, cloud, inside, touch));
   PetscCall(Reserve(cells));
+  PetscCall(FindMarks(cells, cloud, inside, touch, (PetscBool)!exact, &marks));
   count = cells->near * cells->per;
-  PetscCall(PetscCalloc1(2 * cells->near, &wet));
-  ForImages(cells, cloud, inside, MarkCells, wet);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, wet, (PetscMPIInt)(2 * cells->near), MPI_UINT64_T, MPI_BOR, cloud->comm));
-  PetscCall(PetscArraycpy(cells->close, wet + cells->near, cells->near));
+  for (PetscInt b = 0; b < cells->near; b++)
+    cells->close.mask[b] = exact                                 ? marks.close[b]
+                           : touch[cells->home[b]] == TOUCH_WALL ? 0
+                                                                 : marks.close[b] & ~marks.wet[b];
+  GasSetBeside(cells, &cells->close);
   PetscCall(PetscArrayzero(cells->filled, count));
   cells->solid_known = PETSC_FALSE;
   FillFrom(cells, cloud, 0, PressureFull(pressure), cells->filled);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt c = 0; c < count; c++)
-    if ((wet[c / cells->per] & ~cells->close[c / cells->per]) >> (c % cells->per) & 1) cells->filled[c] = 1;
-  PetscCall(FillSolids(cells, cloud, wet, moved));
-  PetscCall(PetscFree(wet));
-  PetscCall(PetscFree(inside));
+    if ((marks.wet[c / cells->per] & ~cells->close.mask[c / cells->per]) >> (c % cells->per) & 1) cells->filled[c] = 1;
+  if (!exact) FillDry(cells, cloud->domain, touch);
+  PetscCall(FillSolids(cells, cloud, marks.wet, moved));
+  PetscCall(PetscFree(marks.wet));
+  PetscCall(PetscFree(marks.beside));
+  PetscCall(PetscFree2(inside, touch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -483,7 +627,7 @@ PetscErrorCode GasCellsLoads(GasCells *cells, Cloud cloud, PetscReal full, GasLo
     Load             load = {.part = GasPart(cloud, a, full), .size = cloud->size[a]};
 
     if (!cloud->integer[INT_LAYER][a]) continue;
-    GasCellsNear(cells, cloud, cells->held, a, AddLoad, &load);
+    GasCellsNear(cells, cloud, &cells->held, a, PETSC_TRUE, AddLoad, &load);
     PetscCall(ListLoads(cloud->domain, a, cloud->integer[INT_BODY][a], x, &load, loads));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -495,9 +639,10 @@ PetscErrorCode GasCellsDestroy(GasCells *cells)
   PetscCall(PetscFree(cells->column));
   PetscCall(PetscFree(cells->block));
   PetscCall(PetscFree(cells->home));
-  PetscCall(PetscFree(cells->close));
-  PetscCall(PetscFree(cells->seen));
-  PetscCall(PetscFree(cells->held));
+  for (GasSet *const *set = (GasSet *const[]){&cells->close, &cells->seen, &cells->held, NULL}; *set; set++) {
+    PetscCall(PetscFree((*set)->mask));
+    PetscCall(PetscFree((*set)->beside));
+  }
   PetscCall(PetscFree(cells->core));
   PetscCall(PetscFree(cells->filled));
   PetscCall(PetscFree(cells->solid));

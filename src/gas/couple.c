@@ -240,7 +240,7 @@ PetscErrorCode GasFindRows(Gas *gas)
   gas->rows = gas->areas = gas->gaps = gas->yields = 0;
   gas->layout                                      = cloud->layout;
   if (gas->now.count && gas->solids_move) PetscCall(GasCellsSolid(cells, cloud, PressureFull(gas->pressure)));
-  for (PetscInt a = 0; a < cloud->n_owned && (gas->now.count || !gas->open); a++) {
+  for (PetscInt a = 0; a < cloud->n_owned && GasSeen(gas); a++) {
     const PetscBool row = (PetscBool)(a < cloud->n_fluid && PressureCloses(gas->pressure, a));
     View            view;
 
@@ -248,7 +248,7 @@ PetscErrorCode GasFindRows(Gas *gas)
     view.n     = 0;
     view.size  = cloud->size[a];
     view.moves = (PetscBool)(gas->solids_move && cloud->integer[INT_BODY][a] <= BODY_SOLID);
-    GasCellsNear(cells, cloud, row ? cells->seen : cells->held, a, See, &view);
+    GasCellsNear(cells, cloud, row ? &cells->seen : &cells->held, a, PETSC_TRUE, See, &view);
     if (row) PetscCall(AddSights(gas, a, &view));
     if (!gas->frozen) PetscCall(AddAreas(gas, a, &view));
   }

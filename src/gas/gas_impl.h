@@ -17,20 +17,25 @@ enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
    block. --- */
 typedef uint64_t GasMask; /* a bit for each cell of a block */
 typedef struct {
-  PetscInt   n[DIM], blocks[DIM];   /* cells and blocks a direction */
-  PetscInt   shift[DIM];            /* a block has 2^shift cells a direction */
-  PetscReal  lower[DIM], size[DIM]; /* m */
-  PetscReal  many[DIM];             /* 1/size */
-  PetscReal  volume;                /* of a cell, m^dim, of the cross section of rings */
-  PetscReal *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
-  PetscInt   per, near, all;        /* cells of a block, blocks with cells, blocks */
-  PetscInt   capacity;              /* nodes */
-  PetscInt  *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
-  PetscInt  *home;                  /* [near] the block with this number */
-  GasMask   *close, *seen, *held;   /* [near] cells that are not full for sure; with an owner; with a pocket as owner */
-  unsigned char *core;              /* [all][per] of solids: CORE_... */
-  PetscReal     *filled;            /* [near][per] sum V W over its value in full liquid, 1 */
-  PetscReal     *solid;             /* [near][per] the part of walls and solids, if it is known */
+  GasMask       *mask;   /* [near] the cells of the set */
+  unsigned char *beside; /* [all] whether a block or one beside it has cells of the set */
+} GasSet;
+typedef struct {
+  PetscInt       n[DIM], blocks[DIM];   /* cells and blocks a direction */
+  PetscInt       shift[DIM];            /* a block has 2^shift cells a direction */
+  PetscReal      lower[DIM], size[DIM]; /* m */
+  PetscReal      many[DIM];             /* 1/size */
+  PetscReal      single[DIM][2];        /* what reaches none of these planes has no image, m */
+  PetscReal      volume;                /* of a cell, m^dim, of the cross section of rings */
+  PetscReal     *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
+  PetscInt       per, near, all;        /* cells of a block, blocks with cells, blocks */
+  PetscInt       capacity;              /* nodes */
+  PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
+  PetscInt      *home;                  /* [near] the block with this number */
+  GasSet         close, seen, held;     /* cells that are not full for sure; with an owner; with a pocket as owner */
+  unsigned char *core;                  /* [all][per] of solids: CORE_... */
+  PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
   PetscBool      solid_known;
   PetscInt      *label; /* [nodes] */
   PetscInt      *owner; /* [near][per] the region around, a few cells into the liquid, too */
@@ -45,10 +50,11 @@ static inline PetscReal GasPart(Cloud cloud, PetscInt a, PetscReal full)
   return cloud->domain->volume * cloud->relative_weight[a] / full;
 }
 
-/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved.
-   GasCellsSolid - the part of walls and solids of it; full: PressureFull. Collective. GasCellsNode - the node of a
-   cell, -1: full. Not collective. */
-PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved);
+/* GasCellsFill - finds the cells and how far they are filled at the positions of the cloud; moved: solids have moved;
+   exact: else cells beside particles inside count as full, and cells beside dry walls of the box alone as empty: the
+   sums cost a third, and that suffices to see what is empty. GasCellsSolid - the part of walls and solids of it; full:
+   PressureFull. Collective. GasCellsNode - the node of a cell, -1: full. Not collective. */
+PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved, PetscBool exact);
 PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full);
 PetscErrorCode GasCellsDestroy(GasCells *cells);
 
@@ -57,19 +63,24 @@ typedef struct {
   PetscReal sign[DIM], offset[DIM];
 } GasImage;
 
-/* Cells within the support of the image of a particle: the vectors from their middles to it in units of its size, with
-   W and F there; their volumes (m^dim, of rings m3). */
-#define GAS_NEAR 256 /* at most; more come in several */
+/* Cells within the support of the image of a particle: W there; with 'slopes' also the vectors from their middles to it
+   in units of its size, F there, and their volumes (m^dim, of rings m3). */
+#define GAS_NEAR 256 /* at most, some blocks' cells; more come in several */
 typedef struct {
   const GasImage *image;
+  PetscBool       slopes;
   PetscInt        n, node[GAS_NEAR];
-  PetscReal       r[GAS_NEAR][DIM], r2[GAS_NEAR], W[GAS_NEAR], F[GAS_NEAR], volume[GAS_NEAR];
+  PetscReal       r2[GAS_NEAR], W[GAS_NEAR], r[GAS_NEAR][DIM], F[GAS_NEAR], volume[GAS_NEAR];
 } GasNear;
 typedef void (*GasVisitor)(const GasCells *cells, const GasNear *near, void *context);
 
 /* GasCellsNear - visits the cells of a set within the support of an owned particle and of its images. Not
    collective. */
-void GasCellsNear(const GasCells *cells, Cloud cloud, const GasMask set[], PetscInt a, GasVisitor visit, void *context);
+void GasCellsNear(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, PetscBool slopes, GasVisitor visit,
+                  void *context);
+
+/* GasSetBeside - finds the blocks beside the cells of a set, after its masks have changed. Not collective. */
+void GasSetBeside(const GasCells *cells, GasSet *set);
 
 /* The force of a pocket of unit pressure on a dummy particle of a wall or solid, m^(dim - 1): the sum over the pocket's
    cells of 6 s (1 - f) V grad W, f how far a cell is filled, s how far by walls and solids. On a dry wall, s = f, it is
@@ -98,11 +109,8 @@ static inline PetscInt GasCellsNode(const GasCells *cells, PetscInt i, PetscInt 
   return block * cells->per + ((((k & ((1 << s[2]) - 1)) << s[1]) + (j & ((1 << s[1]) - 1))) << s[0]) +
          (i & ((1 << s[0]) - 1));
 }
-/* GasCellsPlace - the cell of a node; of an empty block its first. GasCellsRange - the cells whose middles lie within
-   'reach' (m) of x (m); false: there are none. Not collective. */
-void      GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM]);
-PetscBool GasCellsRange(const GasCells *cells, Domain domain, const PetscReal x[DIM], PetscReal reach,
-                        PetscInt first[DIM], PetscInt last[DIM]);
+/* GasCellsPlace - the cell of a node; of an empty block its first. Not collective. */
+void GasCellsPlace(const GasCells *cells, PetscInt node, PetscInt at[DIM]);
 
 /* --- regions.c --- */
 
@@ -190,15 +198,22 @@ typedef struct {
   PetscInt  yields; /* rows by which pockets move what floats, behind the others */
 } Gas;
 
+/* Whether liquid sees anything but open air. */
+static inline PetscBool GasSeen(const Gas *gas)
+{
+  return (PetscBool)(gas->now.count || !gas->open);
+}
+
 static inline Gas *GasOf(Stepper stepper)
 {
   return (Gas *)StepEdgeData(stepper, GAS_EDGE);
 }
 
-/* GasFind - finds the regions without liquid at the positions of the cloud, and gives pockets what pockets before had.
+/* GasFind - finds the regions without liquid at the positions of the cloud, and gives pockets what pockets before had;
+   exact: else a first look is a quick one, which suffices if all regions are open.
    GasKeep - or takes over what was found last, if nothing beside the pockets has moved far since. Collective. GasSwap -
    the pockets now become those before. Not collective. */
-PetscErrorCode GasFind(Gas *gas);
+PetscErrorCode GasFind(Gas *gas, PetscBool exact);
 PetscErrorCode GasKeep(Gas *gas, PetscBool *kept);
 void           GasSwap(Gas *gas);
 

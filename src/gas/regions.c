@@ -68,25 +68,29 @@ static PetscBool NodeRange(const GasCells *cells, PetscInt node, PetscInt first[
                           : cells->block[node - cells->near * cells->per] == BLOCK_EMPTY);
 }
 
-/* Visits the nodes beside a node; *open becomes true if it is at an open face. */
-static void ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open, NodeVisitor visit,
-                          void *context)
+/* Visits the nodes beside a node; *open becomes true if it is at an open face. Returns how many cells the node has. */
+static PetscInt ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open, NodeVisitor visit,
+                              void *context)
 {
-  PetscInt lower[DIM], upper[DIM];
+  const PetscInt count = cells->near * cells->per;
+  PetscInt       lower[DIM], upper[DIM];
 
   NodeRange(cells, node, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++)
     for (PetscInt side = 0; side < 2; side++) {
-      PetscInt first[DIM], last[DIM], at[DIM];
+      const PetscInt from = lower[d], to = upper[d];
+      PetscInt       at[DIM] = {lower[0], lower[1], lower[2]}, next;
 
-      for (PetscInt e = 0; e < DIM; e++) first[e] = at[e] = lower[e], last[e] = upper[e];
-      first[d] = at[d] = last[d] = side ? upper[d] + 1 : lower[d] - 1;
-      do {
-        const PetscInt next = Beyond(cells, domain, d, at, open);
-
-        if (next >= 0) visit(next, context);
-      } while (CellNext(first, last, at));
+      at[d] = side ? to + 1 : from - 1;
+      next  = Beyond(cells, domain, d, at, open);
+      if (next >= 0) visit(next, context);
+      if (node < count || next < 0 || next >= count) continue; /* the whole side of the node is beside this */
+      lower[d] = upper[d] = at[d];
+      while (CellNext(lower, upper, at)) visit(Beyond(cells, domain, d, at, open), context);
+      lower[d] = from;
+      upper[d] = to;
     }
+  return (upper[0] - lower[0] + 1) * (upper[1] - lower[1] + 1) * (upper[2] - lower[2] + 1);
 }
 
 static void Join(PetscInt node, void *context)
@@ -114,12 +118,8 @@ static PetscInt Connect(GasCells *cells, Domain domain, Regions *regions, PetscI
     regions->region[regions->count].cells = 0;
     regions->region[regions->count].first = walk.tail;
     Join(seed, &walk);
-    for (; head < walk.tail; head++) {
-      NodeRange(cells, queue[head], first, last);
-      regions->region[regions->count].cells +=
-        (last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1);
-      ForNeighbours(cells, domain, queue[head], &walk.open, Join, &walk);
-    }
+    for (; head < walk.tail; head++)
+      regions->region[regions->count].cells += ForNeighbours(cells, domain, queue[head], &walk.open, Join, &walk);
     regions->region[regions->count].nodes   = walk.tail - regions->region[regions->count].first;
     regions->region[regions->count++].label = walk.open ? GAS_AIR : GAS_VOID;
   }
@@ -175,14 +175,16 @@ static void Spread(GasCells *cells, Domain domain, PetscInt queue[], PetscInt la
       ForNeighbours(cells, domain, queue[from], &walk.open, Own, &walk);
     }
   }
-  for (PetscInt b = 0; b < cells->near; b++) cells->seen[b] = cells->held[b] = 0;
+  for (PetscInt b = 0; b < cells->near; b++) cells->seen.mask[b] = cells->held.mask[b] = 0;
   for (PetscInt c = 0; c < count; c++) {
     const PetscInt block = c / cells->per;
-    const GasMask  bit   = cells->close[block] & (GasMask)1 << (c % cells->per);
+    const GasMask  bit   = cells->close.mask[block] & (GasMask)1 << (c % cells->per);
 
-    if (cells->owner[c] >= GAS_AIR) cells->seen[block] |= bit;
-    if (cells->owner[c] > GAS_AIR) cells->held[block] |= bit;
+    if (cells->owner[c] >= GAS_AIR) cells->seen.mask[block] |= bit;
+    if (cells->owner[c] > GAS_AIR) cells->held.mask[block] |= bit;
   }
+  GasSetBeside(cells, &cells->seen);
+  GasSetBeside(cells, &cells->held);
 }
 
 /* The volumes of the pockets and their centres. */
@@ -312,6 +314,14 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a region is large enough for a pocket, and not open. */
+static PetscBool SomeClosed(const Regions *regions)
+{
+  for (PetscInt r = 0; r < regions->count; r++)
+    if (regions->region[r].label != GAS_AIR && regions->region[r].cells >= SMALLEST) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Decides which regions are pockets, and what gas they have: a void has none. Without pockets before, at the start,
    every region that is not open has gas. */
 static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST + 1])
@@ -323,7 +333,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
   gas->open = PETSC_FALSE;
   gas->born = gas->merged = gas->split = 0;
   gas->enclosed = gas->vented = gas->lost = 0;
-  if (gas->before_known) PetscCall(Overlap(gas, regions, &common));
+  if (gas->before.count || (gas->before_known && SomeClosed(regions))) PetscCall(Overlap(gas, regions, &common));
   PetscCall(Select(gas, regions, common));
   for (PetscInt r = 0; r < regions->count; r++) {
     const PetscInt label   = regions->region[r].label;
@@ -398,30 +408,49 @@ static PetscErrorCode Brought(Gas *gas, PetscReal *brought)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode GasFind(Gas *gas)
+/* Fills the cells and labels their regions. queue: of Connect; returns 'labelled' nodes in it. */
+static PetscErrorCode Look(Gas *gas, PetscBool exact, Regions *regions, PetscInt **queue, PetscInt *labelled)
+{
+  GasCells *cells = gas->now.cells;
+  PetscInt  nodes;
+
+  PetscFunctionBegin;
+  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move, exact));
+  nodes          = cells->near * cells->per + cells->all;
+  regions->count = 0;
+  PetscCall(PetscMalloc2(nodes, queue, nodes, &regions->region));
+  *labelled = Connect(cells, gas->cloud->domain, regions, *queue);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasFind(Gas *gas, PetscBool exact)
 {
   GasCells *cells   = &gas->cells[gas->before.cells == &gas->cells[0]];
   Domain    domain  = gas->cloud->domain;
   Regions   regions = {NULL, 0};
   PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1] = {0}, brought = 0;
-  PetscInt *queue, labelled, nodes;
+  PetscInt *queue, labelled;
 
   PetscFunctionBegin;
   gas->ended     = 0;
   gas->now.cells = cells;
   gas->now.moved = 0;
-  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move));
-  nodes = cells->near * cells->per + cells->all;
-  PetscCall(PetscMalloc2(nodes, &queue, nodes, &regions.region));
-  labelled = Connect(cells, domain, &regions, queue);
+  exact          = (PetscBool)(exact || !gas->before_known || gas->before.count || !gas->open);
+  PetscCall(Look(gas, exact, &regions, &queue, &labelled));
+  if (!exact && SomeClosed(&regions)) {
+    PetscCall(PetscFree2(queue, regions.region));
+    PetscCall(Look(gas, PETSC_TRUE, &regions, &queue, &labelled));
+  }
   PetscCall(Choose(gas, &regions, air));
-  for (PetscInt c = 0; c < nodes; c++)
+  for (PetscInt c = 0; c < cells->near * cells->per + cells->all; c++)
     if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
-  PetscCall(LargestFirst(&regions, queue, labelled));
-  Spread(cells, domain, queue, labelled);
+  if (GasSeen(gas)) {
+    PetscCall(LargestFirst(&regions, queue, labelled));
+    Spread(cells, domain, queue, labelled);
+  }
   PetscCall(Brought(gas, &brought));
   for (PetscInt k = 1; k <= gas->now.count; k++) was[k] = gas->now.pocket[k].volume;
-  Measure(&gas->now, domain);
+  if (gas->now.count) Measure(&gas->now, domain);
   for (PetscInt k = 1; k <= gas->now.count; k++) start[k] = gas->ambient;
   if (!gas->before_known) PetscCall(Start(gas, start));
   for (PetscInt k = 1; k <= gas->now.count; k++) {

@@ -151,9 +151,10 @@ CUP = """-dimension 2 -spacing 0.01 -box_lower -0.4,0 -box_upper 0.4,0.6 -bodies
  -plate_upper 0.25,0.44 -plate_velocity 0,-1 -plate_viscosity 1e-3 -gravity 0,-9.81 -solids left,right,bottom
  -left_lower -0.16,0.1 -left_upper -0.1,0.3 -right_lower 0.1,0.1 -right_upper 0.16,0.3 -bottom_lower -0.16,0.04
  -bottom_upper 0.16,0.1 -time_end 0.12 -snapshot_interval 1 -series_interval 5e-3 -checkpoint_interval 0 """
-air = runs.run(CUP + "-gas", "air")
+air = runs.run(CUP + "-gas -gauge_pockets", "air")
 series, without = runs.series(air), runs.series(runs.run(CUP, "no_air"))
 inside = 0.2 * 0.2  # m2
+runs.check_within(pockets(air)["amount"][0] / inside, 0.98, 1.02, "air_when_the_cup_closes")
 runs.check_within(series["gas_volume_m2"][-1], 0.85 * inside, 1.1 * inside, "air_in_the_cup")
 runs.check(series["gas_pockets"][0] == 0, "cup_is_open_at_first", series["gas_pockets"][0])
 runs.check(np.nanmax(series["gas_pressure_max_Pa"]) > 300, "air_resists", series["gas_pressure_max_Pa"])
