@@ -1,5 +1,7 @@
-/* Free bodies touch walls, solids and each other. Where the first layer of dummy particles of one solid has come to
-   half a spacing from another solid or a wall, their surfaces touch. The impulses there hold, at all places at once,
+/* Free bodies touch walls, solids and each other. Where a dummy particle of the first layer of one solid has come as
+   close to another solid or a wall as it is to its own surface, their surfaces touch. On a surface that is bent it
+   first slides along its layer to the place nearest to the other one, so that a cylinder rolls on its circle, not on
+   the corners between its particles. The impulses at these places hold, at all of them at once,
 
      (v_1 - v_2).n >= -gap/dt,   impulse >= 0,   one of them with equality (Signorini),
      |impulse along the surface| <= friction times that across, against the sliding (Coulomb),
@@ -10,7 +12,12 @@
 
    A gap of less than a spacing closes within 'leave' at the earliest, the time in which the density is repaired: liquid
    in it is not resolved, and would have to leave at any speed. Without, a box that sinks to the floor flat ended the
-   run. With a restitution there is no such cushion.
+   run. Where the gap opens like a wedge liquid leaves by itself, and the place ahead of a cylinder that rolls closes
+   (WEDGE). With a restitution there is no such cushion.
+
+   A face hits with all of its places that are hardly further away (TOGETHER) than the first one, since the disorder of
+   the liquid turns a body by as much. The first one alone would turn it: a boat whose heading was 0.006 rad off turned
+   at 0.5 rad/s after it had met a wall with its bow.
 
    The impulse acts before the pressure is solved for, so that liquid and bodies have one velocity (free.c). */
 #include "bodies_impl.h"
@@ -26,11 +33,21 @@
 #define PLANE  1e-6 /* one less the cosine between the normals of a plane */
 #define BEFORE 0.5  /* cosine between the way to an edge and the normal of the surface before which it is */
 #define NOBODY -1   /* a wall, in place of the index of a solid */
+#define SLIDE    0.75 /* spacings that a place slides at most: half of those between particles, in any direction */
+#define SLIDES   4    /* of regula falsi; on a circle 1e-6 spacings are left */
+#define CORNER   0.5  /* sine of the angle from which a place belongs to a corner, and does not slide */
+#define STRAIGHT 1e-3 /* the same, up to which it is the nearest one */
+#define BENT     0.2  /* change of the slope within SLIDE, over the slope, of a bent surface; no reference */
+#define WEDGE    10  /* spacings that liquid leaves a wedge in 'leave', faster than liquid of the scene; no reference */
+#define TOGETHER 0.1 /* spacings between places of a face that hit at once, and from there to none; no reference */
+#define TIE      1e-3 /* the same of places on a bent surface, which touches at one */
 
 /* A place where two solids may touch, of particle id of the solid 'one'; all numbers are of one width, for MPI. */
 typedef struct {
   PetscReal id, one, other;
   PetscReal x[DIM], n[DIM], gap; /* m; out of the other one; m */
+  PetscReal open;                /* angle between the surfaces, if it is small; at an edge that of the flatter one */
+  PetscReal aside;               /* whether it is on a bent surface, beside the place that touches */
   PetscReal u[DIM];              /* velocity of the surfaces of solids that are not free: of the first less the other */
   PetscReal across, along[DIM];  /* impulses so far, N s */
   PetscReal aim;                 /* least velocity along n, m/s */
@@ -161,25 +178,82 @@ static PetscReal Correct(Scene scene, Place *place, PetscReal motion[], PetscRea
   return change + Norm(impulse) * more;
 }
 
-/* Adds a place if a step of this length may close the gap. */
-static PetscErrorCode AddPlace(Scene scene, const PetscReal motion[], PetscReal dt, PetscReal spacing, Place *place,
-                               PetscSegBuffer places)
+/* Distance (m) of x (m) from what a place is on, and the normal n out of that. */
+static PetscReal OtherDistance(Scene scene, Domain domain, PetscInt other, const PetscReal x[DIM], PetscReal n[DIM])
 {
-  PetscReal v[DIM];
-  Place    *kept;
+  PetscReal image[DIM], distance;
 
-  PetscFunctionBegin;
-  Apart(scene, place, motion, v);
-  if (place->gap > CLOSE * spacing + dt * Norm(v)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSegBufferGet(places, 1, &kept));
-  *kept = *place;
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (other < 0) {
+    const PetscInt d = (NOBODY - other) / 2, upper = (NOBODY - other) % 2;
+
+    for (PetscInt e = 0; e < DIM; e++) n[e] = e == d ? (upper ? -1 : 1) : 0;
+    return upper ? domain->upper[d] - x[d] : x[d] - domain->lower[d];
+  }
+  distance = BodyNearest(SceneSolid(scene, other), x, image);
+  DistanceNormal(scene, SceneOneDistance, other, image, n);
+  return distance;
 }
 
-/* A SceneDistance. */
-static PetscReal SolidDistance(Scene scene, PetscInt which, const PetscReal x[DIM])
+/* A dummy particle of the first layer of a solid: 'depth' (m) below its surface at x (m), that is at 'own' (m) for the
+   solid, behind a periodic face perhaps. */
+typedef struct {
+  PetscInt  one;
+  PetscReal x[DIM], own[DIM], depth;
+} Layer;
+
+/* A way s (m) along the layer in the direction t: x (m) is there, own its normal, distance (m) and n those of the other
+   solid. Returns the slope of the distance. */
+static PetscReal Along(Scene scene, Domain domain, const Layer *layer, PetscInt other, PetscReal s,
+                       const PetscReal t[DIM], PetscReal x[DIM], PetscReal own[DIM], PetscReal *distance,
+                       PetscReal n[DIM])
 {
-  return BodyDistance(SceneSolid(scene, which), x);
+  PetscReal there[DIM], tangent[DIM], lift;
+
+  for (PetscInt d = 0; d < DIM; d++) there[d] = layer->own[d] + s * t[d];
+  DistanceNormal(scene, SceneOneDistance, layer->one, there, own);
+  lift = SceneOneDistance(scene, layer->one, there) + layer->depth;
+  for (PetscInt d = 0; d < DIM; d++) {
+    x[d]       = layer->x[d] + s * t[d] - lift * own[d];
+    tangent[d] = t[d] - Dot(t, own) * own[d];
+  }
+  *distance = OtherDistance(scene, domain, other, x, n);
+  return Dot(n, tangent);
+}
+
+/* Slides a place along a layer that is bent to where it is nearest to the other solid, if that is within reach. Returns
+   whether it is bent, but the place is not within reach. */
+static PetscBool Slide(Scene scene, Domain domain, const Layer *layer, PetscReal x[DIM], PetscReal own[DIM],
+                       PetscReal *distance, PetscReal n[DIM], PetscInt other)
+{
+  PetscReal t[DIM], y[DIM], own_y[DIM], n_y[DIM], there, low = 0, high = SLIDE * domain->spacing, slope[2], length;
+
+  for (PetscInt d = 0; d < DIM; d++) t[d] = Dot(n, own) * own[d] - n[d];
+  length = Norm(t);
+  if (length < STRAIGHT || length > CORNER || Dot(n, own) > 0) return PETSC_FALSE;
+  for (PetscInt d = 0; d < DIM; d++) t[d] /= length;
+  slope[0] = -length;
+  slope[1] = Along(scene, domain, layer, other, high, t, y, own_y, &there, n_y);
+  if (slope[1] <= 0) return (PetscBool)(slope[1] - slope[0] > BENT * length);
+  for (PetscInt k = 0; k < SLIDES; k++) {
+    const PetscReal s   = low - slope[0] * (high - low) / (slope[1] - slope[0]),
+                    now = Along(scene, domain, layer, other, s, t, y, own_y, &there, n_y);
+
+    if (now < 0) {
+      low      = s;
+      slope[0] = now;
+    } else {
+      high     = s;
+      slope[1] = now;
+    }
+  }
+  if (there >= *distance) return PETSC_FALSE; /* a corner in the way */
+  *distance = there;
+  for (PetscInt d = 0; d < DIM; d++) {
+    x[d]   = y[d];
+    own[d] = own_y[d];
+    n[d]   = n_y[d];
+  }
+  return PETSC_FALSE;
 }
 
 /* Whether the surface of a solid is plane around the point of it that is nearest to x; n: its normal there. */
@@ -193,7 +267,7 @@ static PetscBool IsPlane(Scene scene, PetscInt solid, const PetscReal x[DIM], co
     for (PetscInt d = 0; d < DIM; d++) side[d] = (d == k / 2) - n[k / 2] * n[d];
     if (Norm(side) < 0.5) continue;
     for (PetscInt d = 0; d < DIM; d++) y[d] = x[d] + (k % 2 ? 1 : -1) * AROUND * domain->spacing * side[d] / Norm(side);
-    DistanceNormal(scene, SolidDistance, solid, y, m);
+    DistanceNormal(scene, SceneOneDistance, solid, y, m);
     if (Dot(m, n) < 1 - PLANE) return PETSC_FALSE;
   }
   return PETSC_TRUE;
@@ -202,61 +276,87 @@ static PetscBool IsPlane(Scene scene, PetscInt solid, const PetscReal x[DIM], co
 /* Where an edge of the other solid is next to a dummy particle behind a plane surface, normal and gap of the place
    become those of the plane at the edge: out of an edge normals point to all sides, and an edge that slides along the
    surface would run into one dummy particle after the other. False: the edge is before other particles, not before this
-   one. image: where the particle is for the other solid, m. */
-static PetscBool TakePlane(Scene scene, PetscInt one, const PetscReal image[DIM], Place *place)
+   one. x: where the particle has slid to, m. */
+static PetscBool TakePlane(Scene scene, const Layer *layer, const PetscReal x[DIM], Place *place)
 {
-  PetscReal m[DIM];
+  const PetscInt other = (PetscInt)place->other;
+  PetscReal      image[DIM], edge[DIM], m[DIM];
 
-  if (IsPlane(scene, (PetscInt)place->other, image, place->n)) return PETSC_TRUE;
-  DistanceNormal(scene, SolidDistance, one, place->x, m);
-  if (Norm(m) == 0 || !IsPlane(scene, one, place->x, m)) return PETSC_TRUE;
+  (void)BodyNearest(SceneSolid(scene, other), x, image);
+  if (IsPlane(scene, other, image, place->n)) return PETSC_TRUE;
+  for (PetscInt d = 0; d < DIM; d++) edge[d] = layer->own[d] + (place->x[d] - layer->x[d]);
+  DistanceNormal(scene, SceneOneDistance, layer->one, edge, m);
+  if (Norm(m) == 0 || !IsPlane(scene, layer->one, edge, m)) return PETSC_TRUE;
   if (Dot(m, place->n) > -BEFORE) return PETSC_FALSE;
-  place->gap = SolidDistance(scene, one, place->x);
+  place->gap = SceneOneDistance(scene, layer->one, edge);
   for (PetscInt d = 0; d < DIM; d++) place->n[d] = -m[d];
   return PETSC_TRUE;
+}
+
+/* Adds the place where a layer may touch a wall or another solid in a step of dt (s). */
+static PetscErrorCode AddPlace(Scene scene, Domain domain, const Layer *layer, PetscReal time, const PetscReal motion[],
+                               PetscReal dt, Place *place, PetscSegBuffer places)
+{
+  const PetscInt one = layer->one, other = (PetscInt)place->other;
+  PetscReal      x[DIM], own[DIM], image[DIM], v[2][DIM] = {{0}}, distance, toward[DIM];
+  Place         *kept;
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < DIM; d++) x[d] = image[d] = layer->x[d];
+  if (other >= 0 && BodyBeyond(SceneSolid(scene, other), domain->spacing + layer->depth, x))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  distance = OtherDistance(scene, domain, other, x, place->n);
+  if (Norm(place->n) == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (other >= 0) {
+    if (distance - layer->depth > domain->spacing) PetscFunctionReturn(PETSC_SUCCESS);
+    (void)BodyNearest(SceneSolid(scene, other), x, image);
+    if (!IsFree(scene, one)) BodyMotion(SceneSolid(scene, one), time, x, v[0]);
+    if (!IsFree(scene, other)) BodyMotion(SceneSolid(scene, other), time, image, v[1]);
+  }
+  for (PetscInt d = 0; d < DIM; d++) {
+    place->u[d] = v[0][d] - v[1][d];
+    place->x[d] = x[d] - distance * place->n[d];
+  }
+  Apart(scene, place, motion, v[0]);
+  if (distance - layer->depth > CLOSE * domain->spacing + dt * Norm(v[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  DistanceNormal(scene, SceneOneDistance, one, layer->own, own);
+  place->aside = Slide(scene, domain, layer, x, own, &distance, place->n, other);
+  for (PetscInt d = 0; d < DIM; d++) {
+    place->x[d] = x[d] - distance * place->n[d];
+    toward[d]   = layer->own[d] + (x[d] - layer->x[d]) - layer->depth * place->n[d];
+  }
+  place->gap  = distance - layer->depth;
+  place->open = PetscSqrtReal(
+    PetscMax(0, -2 * SceneOneDistance(scene, one, toward) / PetscMax(layer->depth, TIE * domain->spacing)));
+  if (other >= 0 && !TakePlane(scene, layer, x, place)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSegBufferGet(places, 1, &kept));
+  *kept = *place;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the places where dummy particle a of a solid may touch walls and other solids. */
 static PetscErrorCode AddPlaces(Cloud cloud, PetscInt a, PetscReal time, const PetscReal motion[], PetscReal dt,
                                 PetscSegBuffer places)
 {
-  const Domain     domain = cloud->domain;
-  const Scene      scene  = cloud->scene;
-  const PetscInt   one    = BODY_SOLID - cloud->integer[INT_BODY][a];
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, half = 0.5 * domain->spacing;
-  Place            at = {.id = cloud->integer[INT_ID][a], .one = one};
+  const Domain   domain = cloud->domain;
+  const Scene    scene  = cloud->scene;
+  const PetscInt one    = BODY_SOLID - cloud->integer[INT_BODY][a];
+  Layer          layer  = {.one = one};
+  Place          at     = {.id = cloud->integer[INT_ID][a], .one = one};
 
   PetscFunctionBegin;
-  if (BodyDistance(SceneSolid(scene, one), x) <= -2 * half) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < DIM; d++) layer.x[d] = cloud->field[FIELD_POSITION][DIM * a + d];
+  layer.depth = -BodyNearest(SceneSolid(scene, one), layer.x, layer.own);
+  if (layer.depth >= domain->spacing) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt f = 0; f < 2 * domain->dim && IsFree(scene, one); f++) {
-    const PetscInt d = f / 2, upper = f % 2;
-
-    if (domain->face[d][upper] != FACE_WALL) continue;
+    if (domain->face[f / 2][f % 2] != FACE_WALL) continue;
     at.other = NOBODY - f;
-    at.gap   = (upper ? domain->upper[d] - x[d] : x[d] - domain->lower[d]) - half;
-    for (PetscInt e = 0; e < DIM; e++) {
-      at.n[e] = e == d ? (upper ? -1 : 1) : 0;
-      at.x[e] = x[e] - (half + at.gap) * at.n[e];
-      at.u[e] = 0;
-    }
-    PetscCall(AddPlace(scene, motion, dt, domain->spacing, &at, places));
+    PetscCall(AddPlace(scene, domain, &layer, time, motion, dt, &at, places));
   }
   for (PetscInt other = 0; other < SceneSolidCount(scene); other++) {
-    PetscReal image[DIM], v[2][DIM] = {{0}};
-
     if (other == one || !(IsFree(scene, one) || IsFree(scene, other))) continue;
     at.other = other;
-    at.gap   = BodyNearest(SceneSolid(scene, other), x, image) - half;
-    if (at.gap > domain->spacing) continue;
-    DistanceNormal(scene, SolidDistance, other, image, at.n);
-    if (!IsFree(scene, one)) BodyMotion(SceneSolid(scene, one), time, x, v[0]);
-    if (!IsFree(scene, other)) BodyMotion(SceneSolid(scene, other), time, image, v[1]);
-    for (PetscInt d = 0; d < DIM; d++) {
-      at.x[d] = x[d] - (half + at.gap) * at.n[d];
-      at.u[d] = v[0][d] - v[1][d];
-    }
-    if (Norm(at.n) > 0 && TakePlane(scene, one, image, &at))
-      PetscCall(AddPlace(scene, motion, dt, domain->spacing, &at, places));
+    PetscCall(AddPlace(scene, domain, &layer, time, motion, dt, &at, places));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -283,6 +383,63 @@ static PetscErrorCode FindPlaces(Cloud cloud, PetscReal time, const PetscReal mo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pair of a place among all pairs of solids and of solids and faces of the box. */
+static PetscInt PairOf(Scene scene, const Place *place)
+{
+  const PetscInt one = (PetscInt)place->one, other = (PetscInt)place->other, solids = SceneSolidCount(scene);
+
+  if (other < 0) return (solids + NOBODY - other) * solids + one;
+  return PetscMax(one, other) * solids + PetscMin(one, other);
+}
+
+/* The least velocity (m/s) along n after a hit of a place that approaches and is 'behind' (m) the first of its pair. */
+static PetscReal Rebound(const Place *place, PetscReal spacing, PetscReal rebound, PetscReal approach, PetscReal behind)
+{
+  const PetscReal reach = (place->aside > 0 ? TIE : TOGETHER) * spacing,
+                  share = PetscMin(1, PetscMax(0, 2 - behind / reach));
+
+  return (share * (1 + rebound) - 1) * approach;
+}
+
+/* Sets the aims of the places, and raises 'fastest' (m/s) to their largest velocity. */
+static PetscErrorCode SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal leave, const PetscReal motion[],
+                              PetscInt n, Place place[], PetscReal *fastest)
+{
+  const PetscInt solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
+  PetscReal     *first, *approach;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(pairs, &first, n, &approach));
+  for (PetscInt p = 0; p < pairs; p++) first[p] = -PETSC_MAX_REAL; /* the pair does not hit */
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal gap = place[k].gap, rebound = Pair(scene, &place[k], FreeRestitution),
+                    wedge = WEDGE * spacing * place[k].open;
+    const PetscInt pair   = PairOf(scene, &place[k]);
+    PetscReal      v[DIM];
+
+    Apart(scene, &place[k], motion, v);
+    *fastest    = PetscMax(*fastest, Norm(v));
+    approach[k] = -Dot(v, place[k].n);
+    if (gap < 0)
+      place[k].aim = -LET_OUT * gap / dt;
+    else if (rebound > 0)
+      place[k].aim = -gap / dt;
+    else
+      place[k].aim = -PetscMin(gap / dt, (gap + wedge) / leave);
+    if (rebound > 0 && approach[k] > PetscMax(0, -place[k].aim))
+      first[pair] = first[pair] == -PETSC_MAX_REAL ? gap : PetscMin(first[pair], gap);
+  }
+  for (PetscInt k = 0; k < n; k++) {
+    const PetscReal before = first[PairOf(scene, &place[k])];
+
+    if (approach[k] > 0 && before > -PETSC_MAX_REAL)
+      place[k].aim = PetscMax(place[k].aim, Rebound(&place[k], spacing, Pair(scene, &place[k], FreeRestitution),
+                                                    approach[k], place[k].gap - before));
+  }
+  PetscCall(PetscFree2(first, approach));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal leave, PetscReal motion[],
                          PetscReal sum[])
 {
@@ -294,16 +451,7 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal le
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * SceneSolidCount(scene)));
   PetscCall(FindPlaces(cloud, time, motion, dt, &n, &place));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal v[DIM], approach, rebound;
-
-    Apart(scene, &place[k], motion, v);
-    approach     = -Dot(v, place[k].n);
-    rebound      = Pair(scene, &place[k], FreeRestitution);
-    place[k].aim = -place[k].gap * (place[k].gap < 0 ? LET_OUT / dt : 1 / (rebound > 0 ? dt : PetscMax(dt, leave)));
-    if (approach > PetscMax(0, -place[k].aim)) place[k].aim = PetscMax(place[k].aim, rebound * approach);
-    fastest = PetscMax(fastest, Norm(v));
-  }
+  PetscCall(SetAims(scene, cloud->domain->spacing, dt, leave, motion, n, place, &fastest));
   for (PetscInt sweep = 0; sweep < SWEEPS && change > DONE * fastest; sweep++) {
     change = 0;
     for (PetscInt k = 0; k < n; k++) {

@@ -394,6 +394,11 @@ void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const P
   for (PetscInt d = 0; d < DIM; d++) n[d] = length > 0 ? n[d] / length : 0;
 }
 
+PetscReal SceneOneDistance(Scene scene, PetscInt which, const PetscReal x[DIM])
+{
+  return BodyDistance(scene->solid[which], x);
+}
+
 static PetscReal SolidDistance(Scene scene, PetscInt which, const PetscReal x[DIM])
 {
   return SceneSolidDistance(scene, x, NULL);

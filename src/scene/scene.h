@@ -108,9 +108,11 @@ PetscReal SceneSolidDistance(Scene scene, const PetscReal x[DIM], PetscInt *near
 PetscReal SceneSolidWithin(Scene scene, PetscReal reach, const PetscReal x[DIM], PetscInt *nearest);
 /* DistanceNormal - the unit normal n from differences of a signed distance around x (m). Zero where these vanish, as
    far from two surfaces outside; in the middle of a thin shape it is that of one of its faces. which: passed on to the
-   distance. SceneOwnDistance is one of these functions. */
+   distance. SceneOwnDistance and SceneOneDistance, the signed distance of one solid, by its index, are such functions.
+ */
 typedef PetscReal (*SceneDistance)(Scene scene, PetscInt which, const PetscReal x[DIM]);
-void DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
+PetscReal SceneOneDistance(Scene scene, PetscInt which, const PetscReal x[DIM]);
+void      DistanceNormal(Scene scene, SceneDistance distance, PetscInt which, const PetscReal x[DIM], PetscReal n[DIM]);
 /* SceneSolidNormal - unit normal n at x (m) out of the nearest solid, from differences of the signed distance; zero
    where these vanish. */
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM]);

@@ -138,7 +138,8 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 
 /* WallGuard - on the new state x ([n_owned][3], m), v (m/s) of the fluid: moves a particle closer than 'distance' (m)
    to a wall face or solid back to this distance and removes its velocity into the wall, whose momentum the edges get by
-   the hook 'push'; mirrors a particle that crossed a symmetry face back. 'distance' is for the finest particles; it
+   the hook 'push'; mirrors a particle that crossed a symmetry face back. In a gap too narrow for that it moves the
+   particle to the middle. 'distance' is for the finest particles; it
    grows with the size. The Neumann condition of the pressure makes walls impermeable to first order only; this is the
    remainder. Not collective. */
 PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], PetscReal v[]);

@@ -284,14 +284,16 @@ static PetscErrorCode TestGuard(void)
   static const Edge        adds    = {.name = "adds", .push = AddPush};
   static const Edge *const edges[] = {&adds, NULL};
   struct _p_Stepper        stepper = {.edges = edges};
-  /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2) */
+  /* walls at x = 0 and 4, mirrors at y = 0 and 4, a solid disc of 0.5 m about (2, 2); a plate 0.03 m from the wall at
+     x = 4 and 0.04 m from a bar: in these gaps a particle is in the middle */
   static const Guarded cases[] = {
     {{0.01, 1, -1, 3}, {0.025, 1, 0, 3}}, {{0.01, 1, 1, 3}, {0.025, 1, 1, 3}},
     {{3.99, 1, 1, 3}, {3.975, 1, 0, 3}},  {{3.99, 1, -1, 3}, {3.975, 1, -1, 3}},
     {{1, -0.01, 3, -1}, {1, 0.01, 3, 1}}, {{1, 4.02, 3, 1}, {1, 3.98, 3, -1}},
     {{2.51, 2, -1, 3}, {2.525, 2, 0, 3}}, {{2.51, 2, 1, 3}, {2.525, 2, 1, 3}},
     {{2, 1.49, 3, 1}, {2, 1.475, 3, 0}},  {{0.03, 0.01, -1, -1}, {0.03, 0.01, -1, -1}},
-    {{2.53, 2, -1, 3}, {2.53, 2, -1, 3}},
+    {{2.53, 2, -1, 3}, {2.53, 2, -1, 3}}, {{3.99, 3, 1, 3}, {3.985, 3, 0, 3}},
+    {{3.96, 3, 1, 3}, {3.985, 3, 0, 3}},  {{2.99, 3, 1, 3}, {2.98, 3, 1, 3}},
   };
   const PetscInt n                                              = PETSC_STATIC_ARRAY_LENGTH(cases);
   PetscReal      points[DIM * PETSC_STATIC_ARRAY_LENGTH(cases)] = {0}, *x, *v, worst = 0;
@@ -303,7 +305,8 @@ static PetscErrorCode TestGuard(void)
     points[DIM * k + 1] = 0.5 + 0.25 * (k / 4);
   }
   PetscCall(SetupFill("-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 4,4 -box_x wall -box_y symmetry -bodies a "
-                      "-a_upper 1.2,4 -solids disc -disc_shape sphere -disc_center 2,2 -disc_radius 0.5",
+                      "-a_upper 1.2,4 -solids disc,plate,bar -disc_shape sphere -disc_center 2,2 -disc_radius 0.5 "
+                      "-plate_lower 3,2.7 -plate_upper 3.97,3.4 -bar_lower 2,2.7 -bar_upper 2.96,3.4",
                       n, points, 0, &s));
   x = s.cloud->field[FIELD_POSITION];
   v = s.cloud->field[FIELD_VELOCITY];

@@ -13,6 +13,14 @@ DRY = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 2,1 -box_x w
  -water_lower 1.76,0 -water_upper 2,0.06 -solids step,a,b -step_lower 1.6,0 -step_upper 1.76,0.3
  -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3 """
 
+SLOPE = 1.7  # m/s2, along the floor
+ROLL = DRY.replace("step,a,b", "step,a") + f"""-gravity {SLOPE},-9.6 -a_shape sphere -a_radius 0.1 -a_center 0.3,0.1
+ -a_mass 31.4 -a_friction 1 -time_end 0.8 """
+BALL = f"""-dimension 3 -spacing {SPACING} -box_lower 0,0,0 -box_upper 1,0.4,0.3 -box_x wall -box_y wall -box_zmin wall
+ -bodies water -water_lower 0.9,0,0 -water_upper 1,0.4,0.04 -solids step,a -step_lower 0.82,0,0
+ -step_upper 0.9,0.4,0.1 -a_shape sphere -a_radius 0.08 -a_center 0.2,0.2,0.08 -a_mass 2.1 -a_friction 1
+ -gravity {SLOPE},{0.1 * SLOPE},-9.6
+ -time_end 0.4 -time_step_max 4e-3 -series_interval 0.02 -checkpoint_interval 0 """
 ACROSS = f"""-dimension 2 -spacing {SPACING} -box_lower 0,0 -box_upper 2,1 -box_x periodic -box_ymin wall -bodies water
  -water_lower 0,0 -water_upper 2,0.06 -solids a,b -checkpoint_interval 0 -series_interval 5e-3 -time_step_max 2e-3
  -a_mass 10 -a_velocity 1,0.2 -a_friction 0.5 -a_restitution 0.9 -a_inertia 0.1 -b_mass 25 -b_velocity 0,0.1
@@ -53,6 +61,31 @@ def dry():
         speeds = np.array([s[n] for n in s.dtype.names if n.startswith("a_velocity")])
         runs.check_below(abs(speeds[-1] / 0.5 - 1).max(), 1e-3, f"a box slides along a rail, {name}")
         runs.check_below(abs(speeds[:-1]).max() / 0.5, 5e-3, f"and is not pushed off, {name}")
+    # A cylinder rolls down a slope with 2/3 g sin(slope), with and without a restitution, on a wall and on a solid; a
+    # sphere with 5/7 of it: they touch with their circle, not with the corners between its particles.
+    for name, more, floor in (("wall", "", 0), ("rebound", "-a_restitution 0.5", 0),
+                              ("solid", "-solids step,a,f -f_lower 0,-0.1 -f_upper 1.6,0", -0.1)):
+        s = runs.series(runs.run(ROLL + f"{more} -box_lower 0,{floor}", f"roll_{name}"))
+        x, _, u, _, _, rate = columns(s, "a")
+        runs.check_within((x[-1] - x[0]) / (SLOPE * s["time"][-1]**2 / 3), 0.98, 1.02, f"way of a cylinder, {name}")
+        runs.check_within(-rate[-1] * 0.1 / u[-1], 0.98, 1.02, f"it rolls, {name}")
+    s = runs.series(runs.run(BALL, "roll_ball"))
+    for across, g in (("x", SLOPE), ("y", 0.1 * SLOPE)):
+        u = s[next(n for n in s.dtype.names if n.startswith(f"a_velocity_{across}"))]
+        runs.check_within(u[-1] / (5 / 7 * g * s["time"][-1]), 0.98, 1.02, f"speed of a sphere that rolls, {across}")
+    # Without friction a ball that spins goes on to spin when it has hit the floor.
+    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_shape sphere -a_radius 0.1 -a_center 0.8,0.2 -a_mass 31.4
+ -a_rotation_rate 20 -a_restitution 0.6 -b_lower 0.1,0 -b_upper 0.3,0.1 -b_mass 20 -time_end 0.25""", "spin"))
+    _, y, _, v, _, rate = columns(s, "a")
+    runs.check(v.max() > 0.7, "a ball that spins rebounds", v.max())
+    runs.check_below(abs(rate - 20).max(), 0.02, "and goes on to spin")
+    # A box that is 0.006 rad off hits a wall with its whole face: its small rate rebounds, too, whatever the step.
+    s = runs.series(runs.run(DRY.replace("2e-3", "2e-4") + """-a_lower 0.06,0.5 -a_upper 0.26,0.7 -a_mass 20
+ -time_end 0.15 -a_velocity -1,0 -a_rotation_rate 0.1 -a_restitution 0.5 -b_lower 0.6,0 -b_upper 0.8,0.1
+ -b_mass 20""", "off"))
+    _, _, u, _, _, rate = columns(s, "a")
+    runs.check_within(u[-1], 0.48, 0.52, "a box a little off rebounds")
+    runs.check_below(abs(rate[-1]), 0.11, "and does not turn")
     # Two bodies without gravity: momentum and angular momentum about the origin are kept, also with friction.
     mass = {"a": 10.0, "b": 25.0}
     s = runs.series(runs.run(DRY + f"""-a_lower 0.3,0.5 -a_upper 0.5,0.7 -a_mass {mass['a']} -a_velocity 1,0
