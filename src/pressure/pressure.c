@@ -105,7 +105,7 @@ static const OptionRow numbers[] = {
   {"-pressure_wall_suction", "Walls may pull beside a free surface, and by the density source, as printed", NULL, NULL,
    ROW_BOOL, offsetof(struct _p_Pressure, wall_suction)},
   {"-pressure_rebuild_interval",
-   "Steps after which the preconditioner is rebuilt; 0: 10 for twolevel, jacobi and none, 50 for all others", "1",
+   "Steps after which the preconditioner is rebuilt; 0: 1 for jacobi, 10 for twolevel, 50 for all others", "1",
    "[0, inf)", ROW_INT, offsetof(struct _p_Pressure, rebuild_interval)},
   {"-pressure_density_tolerance",
    "Largest relative density error that the solver may leave in a step; 0: PETSc's own test, -ksp_rtol and the others",

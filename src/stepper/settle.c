@@ -122,6 +122,7 @@ PetscErrorCode StepperSettle(Stepper stepper)
   for (PetscInt k = 0; k < ITERATIONS; k++) {
     PetscCall(ProgressWork(stepper->cloud->comm, (PetscReal)k / ITERATIONS, "iteration %" PetscInt_FMT, k));
     PetscCall(Even(stepper));
+    if (k == 0) PetscCall(PressureReset(stepper->pressure)); /* its preconditioner is the lattice's, and poor */
   }
   StepHook(stepper, freeze, stepper, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -25,6 +25,10 @@ TANKS = {"uniform": "", "solid": "-solids post -post_lower 0.45,0 -post_upper 0.
          "following": "-spacing_coarse 0.02 -spacing_follow surface ",
          "quintic": "-kernel_type quintic_spline -kernel_ratio 1 "}
 
+BALL = """-dimension axisymmetric -spacing 0.625e-3 -box_lower 0,0 -box_upper 20e-3,40e-3 -box_xmax wall -box_ymin wall
+ -gravity 0,-9.81 -bodies syrup -syrup_upper 20e-3,35e-3 -solids ball -ball_shape sphere -ball_radius 5e-3
+ -ball_center 0,18e-3 -ball_mass 1e-3 -steps_max 1 -time_end 1 -ksp_converged_reason -checkpoint_interval 0"""
+
 
 def tank(kind):
     """The force on the floor of a tank, and on a post on it, over the weight."""
@@ -38,7 +42,19 @@ def tank(kind):
         runs.check_within(force.max(), 0.97, 1.03, f"tank, {kind}, seed {seed}, most force over the weight")
 
 
-for part in runs.parts(*SCENES, *(f"tank_{kind}" for kind in TANKS)):
+def solves():
+    """No solve of the settling is dear: the preconditioner of the lattice is not kept for what has settled."""
+    for kind, most in ("twolevel", 1.6), ("jacobi", 3):
+        done = runs.start(f"{BALL} -pc_type {kind} -output_dir {runs.scratch('solves_' + kind)}")
+        iterations = [int(line.split()[-1]) for line in done.stdout.splitlines() if "converged due to" in line]
+        runs.check(len(iterations) > 20, f"the settling solves, {kind}", done.stdout + done.stderr)
+        runs.check_below(iterations[1] / iterations[0], most, f"second solve of the settling over the first, {kind}")
+
+
+for part in runs.parts(*SCENES, *(f"tank_{kind}" for kind in TANKS), "solves"):
+    if part == "solves":
+        solves()
+        continue
     if part not in SCENES:
         tank(part[len("tank_"):])
         continue
