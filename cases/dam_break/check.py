@@ -14,6 +14,7 @@ import runs  # noqa: E402
 
 G, A, H = 9.81, 57.15e-3, 0.3  # m/s2; widths of Martin and Moyce, height of Lobovsky et al., m
 TANK, STIFFNESS = (1.61, 1.2), 1.4 * 101325  # m, of Lobovsky et al.; Pa, of air
+SPECK = 0.1  # of the air that the reference traps
 
 
 def experiment(name):
@@ -175,15 +176,17 @@ def own_period(x, spacing, centre):
 
 
 def trapped(folder):
-    """The air that the wave from the wall traps, until 1.3 s, when the reference traps more elsewhere. The computed
-    gas is a spring and swings; the reference's is incompressible: pressures are means over time."""
+    """The air that the wave from the wall traps, until 1.3 s, when the reference traps more elsewhere; what the crest
+    encloses before, the air of a particle or two, is not meant. The computed gas is a spring and swings; the
+    reference's is incompressible: pressures are means over time."""
     rows, right, s = physics.table(os.path.join(folder, "pockets.csv")), reference("trapped"), runs.series(folder)
-    rows = rows[rows["amount_m2"] > 0]
+    there = right[right["area"] > 0]
+    rows = rows[rows["amount_m2"] > SPECK * there["area"][0]]
     times = np.unique(rows["time_s"])
     parts = [rows[rows["time_s"] == time] for time in times]
     largest = np.array([part[part["volume_m2"].argmax()] for part in parts])
     kept = np.interp([1.3, 1.4], times, largest["amount_m2"]) / largest["amount_m2"][0]
-    start, there = times[0], right[right["area"] > 0]
+    start = times[0]
     t, z, _, _ = motion(folder)
     fronts = np.abs(np.interp([0.2, 0.3], t, z * A) / np.interp([0.2, 0.3], right["time"], right["front"]) - 1)
     energy = np.abs(np.interp(right["time"], s["time"], s["kinetic_energy"]) - right["kinetic_energy"])
