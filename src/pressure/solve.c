@@ -156,7 +156,7 @@ static PetscErrorCode CreateSolver(Pressure pressure)
 {
   Cloud     cloud = pressure->cloud;
   PC        pc;
-  PetscBool gamg, free, cheap = PETSC_FALSE, direct;
+  PetscBool gamg, jacobi, cheap = PETSC_FALSE, direct;
 
   PetscFunctionBegin;
   PetscCall(PressureReset(pressure));
@@ -175,8 +175,8 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(KSPGetPC(pressure->solver.ksp, &pc));
   PetscCall(SetConvergence(pressure));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
-  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCJACOBI, &free));
-  pressure->kept_steps = free ? 1 : cheap ? REBUILD_CHEAP : REBUILD_DEAR;
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCJACOBI, &jacobi));
+  pressure->kept_steps = jacobi ? 1 : cheap ? REBUILD_CHEAP : REBUILD_DEAR;
   if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
   if (direct) pressure->kept_steps = 1; /* the preconditioner is the solver: it must be of this step */
