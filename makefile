@@ -135,7 +135,8 @@ install: $(PROGRAM) $(LIBRARIES)
 	install -m 644 options/cluster/* $(SHARE)/options/cluster
 	install -m 644 src/pictures/*.py src/pictures/report.html src/pictures/*.js $(SHARE)/pictures
 	install -m 644 -Dt $(SHARE)/pictures/uplot src/pictures/uplot/*
-	install -D -m 644 src/python/isph.py "$$DESTDIR$$PREFIX"/$(PYTHON_PLACE)/isph.py
+	install -m 644 -Dt $(SHARE)/python/isph src/python/isph/*.py
+	install -m 644 -Dt "$$DESTDIR$$PREFIX"/$(PYTHON_PLACE)/isph src/python/isph/*.py
 	cd cases && find . -name '*.opts' -exec install -D -m 644 {} $(SHARE)/cases/{} \;
 	install -d "$$DESTDIR$$PREFIX"/share/man/man1 "$$DESTDIR$$PREFIX"/share/bash-completion/completions
 	$(PYTHON) options/manual.py > "$$DESTDIR$$PREFIX"/share/man/man1/isph.1
@@ -147,7 +148,7 @@ install: $(PROGRAM) $(LIBRARIES)
 # Removes what install puts under the same PREFIX.
 uninstall:
 	cd "$$DESTDIR$$PREFIX" && rm -rf bin/isph $(addprefix bin/isph-,$(notdir $(TOOLS))) lib/isph include/isph.h \
-	  lib/pkgconfig/isph.pc $(PYTHON_PLACE)/isph.py share/isph share/man/man1/isph.1 share/bash-completion/completions/isph
+	  lib/pkgconfig/isph.pc $(PYTHON_PLACE)/isph share/isph share/man/man1/isph.1 share/bash-completion/completions/isph
 
 # The tests. All are built with as many processes as run at a time. ONLY=NAME: those with NAME in their name; after a
 # change of the sources CHANGED=1 (and BASE=COMMIT) takes those that watch what changed since the commit, tests/table.txt.

@@ -2,6 +2,7 @@
    of its own, which are PETSc's during a call only. */
 #include "isph.h"
 #include "sim/sim.h"
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@ struct _p_Isph {
   Sim              sim;
   PetscOptions     options;             /* NULL: those of PETSc's database, of the program */
   PetscBool        done, ready, failed; /* done: options wanted no run; ready: set up; failed: after an error */
+  PetscBool        calling; /* 'after' */
   IsphCallback     after;
   void            *context;
   char            *json;
@@ -68,6 +70,12 @@ static int Leave(Isph run, PetscErrorCode code)
     Enter(run);                                                                                                        \
     return Leave(run, call);                                                                                           \
   } while (0)
+
+/* Whether the run can be asked: IsphDestroy or a refused option may have ended it. */
+static PetscBool Lives(Isph run)
+{
+  return (PetscBool)(run && run == Open && run->sim);
+}
 
 /* Refuses a call before IsphSetUp or after an error. */
 static int Check(Isph run)
@@ -202,10 +210,15 @@ int IsphStep(Isph run, double end)
   int code = Check(run);
 
   if (code) return code;
-  if (!(end > (double)SimState(run->sim)->time)) return Refuse("a step to %g s starts later", end);
+  if (SimEnded(run->sim)) return Refuse("the run is at its end, %g s", IsphTime(run));
+  if (!(end > IsphTime(run))) return Refuse("the run is at %g s, not before %g s", IsphTime(run), end);
   Enter(run);
   code = Leave(run, Step(run, end));
-  return code || !run->after ? code : run->after(run->context, run);
+  if (code || !run->after) return code;
+  run->calling = PETSC_TRUE;
+  code         = run->after(run->context, run);
+  run->calling = PETSC_FALSE;
+  return code;
 }
 
 int IsphRun(Isph run, double end)
@@ -226,11 +239,12 @@ int IsphRun(Isph run, double end)
 
 int IsphEnded(Isph run)
 {
-  return SimEnded(run->sim);
+  return !Lives(run) || SimEnded(run->sim);
 }
 
 int IsphSetCallback(Isph run, IsphCallback after, void *context)
 {
+  if (!Lives(run)) return Refuse("there is no such run");
   run->after   = after;
   run->context = context;
   return 0;
@@ -247,17 +261,17 @@ int IsphCheckpoint(Isph run)
 
 double IsphTime(Isph run)
 {
-  return (double)SimState(run->sim)->time;
+  return Lives(run) ? (double)SimState(run->sim)->time : NAN;
 }
 
 double IsphTimeStep(Isph run)
 {
-  return (double)SimState(run->sim)->time_step;
+  return Lives(run) ? (double)SimState(run->sim)->time_step : NAN;
 }
 
 long IsphSteps(Isph run)
 {
-  return (long)SimState(run->sim)->step;
+  return Lives(run) ? (long)SimState(run->sim)->step : 0;
 }
 
 /* --- what the run has --- */
@@ -300,6 +314,7 @@ int IsphField(Isph run, const char name[], IsphArray *array)
 
 const char *IsphFieldName(Isph run, int k)
 {
+  if (!Lives(run) || !run->ready) return NULL;
   for (PetscInt f = 0; f < FIELDS; f++)
     if (NameOf(run, f) && k-- == 0) return NameOf(run, f);
   return NULL;
@@ -351,7 +366,7 @@ int IsphColumn(Isph run, const char name[], double *value)
 
 const char *IsphColumnName(Isph run, int k)
 {
-  return k >= 0 && k < run->columns ? run->name[k] : NULL;
+  return Lives(run) && k >= 0 && k < run->columns ? run->name[k] : NULL;
 }
 
 int IsphScene(Isph run, const char **json)
@@ -384,6 +399,7 @@ int IsphDestroy(Isph *run)
   Isph r = *run;
   int  code;
 
+  if (r && r == Open && r->calling) return Refuse("a callback cannot end its run; what it returns or raises can");
   *run = NULL;
   if (!r || r != Open) return 0;
   Open = NULL;

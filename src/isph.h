@@ -30,7 +30,7 @@ typedef struct _p_Isph *Isph;
 ISPH_PUBLIC int IsphCreate(const char options[], int comm, Isph *run);
 /* IsphSetUp - makes the particles, or reads them from -restart. */
 ISPH_PUBLIC int IsphSetUp(Isph run);
-/* IsphStep - a step, at most to the time 'end' (s), then the callback. IsphRun - steps to the time 'end', then what the
+/* IsphStep - a step, at most to the time 'end' (s), then the callback; refused at the end of the run. IsphRun - steps to the time 'end', then what the
    program does at its end: the last line of the series, snapshot and checkpoint. Both end at -time_end and after
    -steps_max steps, too. INFINITY: no other end. */
 ISPH_PUBLIC int IsphStep(Isph run, double end);
@@ -44,7 +44,7 @@ typedef int (*IsphCallback)(void *context, Isph run);
 ISPH_PUBLIC int IsphSetCallback(Isph run, IsphCallback after, void *context);
 /* IsphCheckpoint - writes a checkpoint into the run folder; needs -output_dir. */
 ISPH_PUBLIC int IsphCheckpoint(Isph run);
-/* IsphDestroy - *run becomes NULL. IsphFinalize - ends PETSc and MPI if IsphCreate has started them; after it there can
+/* IsphDestroy - *run becomes NULL; refused in a callback of the run. IsphFinalize - ends PETSc and MPI if IsphCreate has started them; after it there can
    be no run in the process. */
 ISPH_PUBLIC int IsphDestroy(Isph *run);
 ISPH_PUBLIC int IsphFinalize(void);
@@ -56,7 +56,7 @@ ISPH_PUBLIC const char *IsphError(void);
 ISPH_PUBLIC const char *IsphVersion(void);
 
 /* IsphTime, IsphTimeStep - the time and the size of the last step (s). IsphSteps - steps so far, those before a restart
-   included. Not collective. */
+   included. NAN, NAN and 0 without a run, which IsphEnded calls ended. Not collective. */
 ISPH_PUBLIC double IsphTime(Isph run);
 ISPH_PUBLIC double IsphTimeStep(Isph run);
 ISPH_PUBLIC long   IsphSteps(Isph run);

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path[:0] = [os.path.join(ROOT, "src", "pictures"), os.path.join(ROOT, "tests")]
+sys.path[:0] = [os.path.join(ROOT, *place) for place in (("src", "python"), ("src", "pictures"), ("tests",))]
 import mpi  # noqa: E402
 
 PROGRAM = os.environ.get("ISPH", os.path.join(ROOT, "isph"))

@@ -4,8 +4,8 @@ import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "..", "src", "pictures"))
-from tables import RunError, polite, read_scene, read_series, read_table  # noqa: E402,F401
+sys.path[:0] = [os.path.join(HERE, "..", "..", "src", name) for name in ("python", "pictures")]
+from isph.tables import Error, polite, read_scene, read_series, read_table  # noqa: E402,F401
 
 REFERENCES = {3.13: "reference", 2.42: "reference_242"}  # m/s: the first part of the file's name
 GRAVITY = 9.81  # m/s2

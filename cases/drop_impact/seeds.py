@@ -92,7 +92,7 @@ class Grid(NamedTuple):
 def finished(folder):
     try:
         return max(rundata.read_series(folder)["time"]) >= END - 1e-9
-    except rundata.RunError:
+    except rundata.Error:
         return False
 
 

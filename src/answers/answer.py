@@ -25,14 +25,13 @@ import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures"), os.path.join(HERE, "..", "python")]
 import columns  # noqa: E402
 import grading  # noqa: E402
 import ladder  # noqa: E402
-import launch  # noqa: E402
 import quantity  # noqa: E402
 import reduce  # noqa: E402
-import tables  # noqa: E402
+from isph import launch, tables  # noqa: E402
 
 RATIO = ladder.RATIO
 COARSEST, START = 4, 2  # the first spacing is the scene's times RATIO to a power from -START to COARSEST, where
@@ -215,7 +214,7 @@ class Answer:
             elif self.rungs:
                 return verdicts, f"at {spacing:.3g} m no run ended: {self.notes[-1]}"  # else too coarse for the scene
         if not self.rungs:
-            raise tables.RunError(f"no run ended: {self.notes[-1]}")
+            raise tables.Error(f"no run ended: {self.notes[-1]}")
         return verdicts, "the finest spacing that is tried has been reached"
 
     def say(self, verdicts):
@@ -353,7 +352,7 @@ def model(scene, quantities, arguments):
                 more = f" ({'; '.join(notes)})" if notes else ""
                 return path, f"{way.why}; {words}{more}", proof, "" if good else words
             notes.append(f"{way.why.partition(';')[0].partition(':')[0]}: {words}")
-    except tables.RunError as error:
+    except tables.Error as error:
         notes.append(str(error))
     for q in quantities:
         q.back = (q.row["name"], 1.0)
@@ -480,12 +479,12 @@ def main():
     arguments = parser.parse_args()
     for name, value in (("ACCURACY", arguments.accuracy), ("BUDGET", arguments.budget)):
         if not 0 < value < math.inf:
-            raise tables.RunError(f"{name}={value:g}: a positive number is wanted.")
+            raise tables.Error(f"{name}={value:g}: a positive number is wanted.")
     words = os.path.splitext(os.path.abspath(arguments.scene))[0].split(os.sep)
     arguments.output = arguments.output or os.path.join("output", "answer", "_".join(words[-2:]))
     quantities = quantity.read(arguments.quantity)
     if not quantities:
-        raise tables.RunError("QUANTITY names nothing: a column of series.csv is wanted, for instance highest:max.")
+        raise tables.Error("QUANTITY names nothing: a column of series.csv is wanted, for instance highest:max.")
     os.makedirs(arguments.output, exist_ok=True)
     scene, words, proof, doubt = (arguments.scene, "the scene as it is", None, "") if arguments.whole else model(
         arguments.scene, quantities, arguments)

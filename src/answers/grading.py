@@ -7,8 +7,7 @@ that way is taken which comes to the finer spacing in the time that is left: a r
 import math
 
 import ladder
-import launch
-import tables
+from isph import launch, tables
 
 COARSEST = 4  # times the spacing, far from what it follows: that of cases/drop_impact/following.opts
 LEVELS, PACKINGS = 2, 2  # of a trial
@@ -30,7 +29,7 @@ def refused(scene, more, spacing):
         return f"the scene has {own[0]}"
     try:
         launch.known(scene, *more, *options(FOLLOWING, spacing), "-spacing", f"{spacing:.6g}")
-    except tables.RunError as error:
+    except tables.Error as error:
         return str(error)
     return ""
 

@@ -1,11 +1,8 @@
 """Quantities: a column of series.csv and what is taken of its curve."""
 import math
-import os
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "pictures"))
-import numpy as np  # noqa: E402
-import tables  # noqa: E402
+import numpy as np
+from isph import tables
 
 TIMES = {"max": 0, "min": 0, "end": 0, "rest": 0, "time_of_max": 0, "at": 1, "mean": 2, "settles": 1}  # of a take
 TAKES = "max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT"
@@ -32,16 +29,16 @@ class Quantity:
         self.row, self.back = None, (self.column, 1.0)
         wanted = TIMES.get(self.take)
         if wanted is None or wanted != len(self.times) or not all(map(math.isfinite, self.times)):
-            raise tables.RunError(f"QUANTITY={text}: behind the column and a colon stands one of {TAKES}.")
+            raise tables.Error(f"QUANTITY={text}: behind the column and a colon stands one of {TAKES}.")
         if wanted == 2 and not self.times[0] < self.times[1]:
-            raise tables.RunError(f"QUANTITY={text}: the mean needs an earlier and a later time.")
+            raise tables.Error(f"QUANTITY={text}: the mean needs an earlier and a later time.")
 
     def find(self, rows):
         """Looks its column up among the rows of the series; a name with the unit is one, too."""
         rows = [row for row in rows if row["file"] == "series.csv"]
         self.row = next((row for row in rows if self.column in (row["name"], row["head"])), None)
         if not self.row:
-            raise tables.RunError(f"QUANTITY={self.text}: the series has no column {self.column}; there are: "
+            raise tables.Error(f"QUANTITY={self.text}: the series has no column {self.column}; there are: "
                                   f"{', '.join(row['name'] for row in rows if row['name'] != 'time')}.")
         self.back = (self.row["name"], 1.0)
 
@@ -52,7 +49,7 @@ class Quantity:
         """(times, values) of a run until 'end'; nan where there is no value."""
         name, factor = self.back
         if name not in series:
-            raise tables.RunError(f"QUANTITY={self.text}: the series has no column {name}; there are: "
+            raise tables.Error(f"QUANTITY={self.text}: the series has no column {name}; there are: "
                                   f"{', '.join(column for column in series if column != 'time')}.")
         t, y = np.array(series["time"]), factor * np.array(series[name])
         if self.row and {"pressure", "step"} & set(self.row["needs"]) and len(y) > 1:
@@ -69,7 +66,7 @@ class Quantity:
             if end < self.times[-1]:
                 return float(y[-1])
             if self.times[-1] > t[-1] * (1 + 1e-9) or self.times[0] < t[0]:
-                raise tables.RunError(f"QUANTITY={self.text}: the run has times from {t[0]:g} to {t[-1]:g} s.")
+                raise tables.Error(f"QUANTITY={self.text}: the run has times from {t[0]:g} to {t[-1]:g} s.")
             wanted = self.times if self.take == "at" else np.linspace(*self.times, 1000)
             return float(np.interp(wanted, t, y).mean())
         if self.take == "settles":
@@ -125,7 +122,7 @@ def ends(quantities, known):
     words, takes = [], {q.take for q in quantities}
     if takes - {"end", "rest", "settles"} or known["time_end"] is None:
         if "rest" in takes:
-            raise tables.RunError("QUANTITY: rest needs a -time_end, and end or settles are all that stands beside it.")
+            raise tables.Error("QUANTITY: rest needs a -time_end, and end or settles are all that stands beside it.")
         return words
     if "rest" in takes:
         words += ["-time_end", f"{known['time_start'] + LONGEST * (known['time_end'] - known['time_start']):.9g}"]

@@ -18,9 +18,8 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
-import launch  # noqa: E402
-import tables  # noqa: E402
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures"), os.path.join(HERE, "..", "python")]
+from isph import launch, tables  # noqa: E402
 
 LETTERS = "xyz"
 NEVER = ("restart", "packing_cache")
@@ -47,7 +46,7 @@ class Scene:
                              for one in self.known["petsc_options"]})
         for name in NEVER:
             if name in self.options:
-                raise tables.RunError(f"-{name} belongs to the scene as it is.")
+                raise tables.Error(f"-{name} belongs to the scene as it is.")
         self.bodies = {body["name"]: body for key in ("bodies", "solids") for body in self.known[key]}
         gravity = self.known["forces"]["gravity"]
         self.up = next((d for d in reversed(range(len(gravity))) if gravity[d]), len(gravity) - 1)
@@ -89,7 +88,7 @@ def flat(scene, kept, along=None):
         round_one = owner in scene.bodies and scene.bodies[owner]["shape"]["type"] in ("cylinder", "thread")
         if kind == "file" and owner or kind == "numbers" and name != "gauge_axis" and (
                 owner or name.startswith(("gauge_", "frame_"))):
-            raise tables.RunError(f"-{name}: what this means in a reduced scene is not known.")
+            raise tables.Error(f"-{name}: what this means in a reduced scene is not known.")
         if name in ("dimension", "gauge_multiplicity") or name.startswith("box_") and kind != "point":
             continue
         if along is not None and round_one and key == "shape":
@@ -126,7 +125,7 @@ def rings(scene, axis):
     half = scene.domain["upper"][across[0]] - axis["center"][across[0]]
     pool = any(body["shape"]["type"] == "box" for body in scene.bodies.values())
     if any(body["shape"]["type"] == "wave" for body in scene.bodies.values()):
-        raise tables.RunError("a wave is no body of revolution")
+        raise tables.Error("a wave is no body of revolution")
     radius = 2 * half / math.sqrt(math.pi) if pool else half
     lines = [("dimension", "axisymmetric")]
     for name, key, kind, value in flat(scene, (across[0], up)):
@@ -256,9 +255,9 @@ def ways(path, more=(), columns=()):
             for row in rows:
                 back = way.carry(row)
                 if not back or back[0] not in found:
-                    raise tables.RunError(f"{way.why.partition(';')[0]}: it has no {row['name']} of the whole scene")
+                    raise tables.Error(f"{way.why.partition(';')[0]}: it has no {row['name']} of the whole scene")
             yield way, ""
-        except tables.RunError as error:
+        except tables.Error as error:
             yield None, str(error)
     for mirror in model["mirrors"]:
         if mirror["why"] or mirror["used"]:
@@ -267,14 +266,14 @@ def ways(path, more=(), columns=()):
 
 
 def reduced(path, more=(), columns=()):
-    """The first Way that the program takes; raises RunError if there is none."""
+    """The first Way that the program takes; raises Error if there is none."""
     notes = []
     for way, note in ways(path, more, columns):
         if way:
             way.why += f" ({'; '.join(notes)})" if notes else ""
             return way
         notes.append(note)
-    raise tables.RunError(f"the scene cannot be reduced: {'; '.join(notes)}.")
+    raise tables.Error(f"the scene cannot be reduced: {'; '.join(notes)}.")
 
 
 def as_text(lines):
@@ -292,7 +291,7 @@ def main():
     arguments = parser.parse_args()
     try:
         way = reduced(arguments.scene)
-    except tables.RunError as error:
+    except tables.Error as error:
         print(f"reduce.py: {error}", file=sys.stderr)
         sys.exit(3)
     print(text(arguments.scene, way), end="")

@@ -19,12 +19,11 @@ import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures")]
+sys.path[:0] = [HERE, os.path.join(HERE, "..", "pictures"), os.path.join(HERE, "..", "python")]
 import answer  # noqa: E402
 import columns  # noqa: E402
-import launch  # noqa: E402
 import quantity  # noqa: E402
-import tables  # noqa: E402
+from isph import launch, tables  # noqa: E402
 
 
 PICTURES = 3  # of each variant, at the times between which the first changes alike; the last is its end
@@ -42,7 +41,7 @@ def values_of(text):
     high, _, count = rest.partition("/")
     low, high = tables.number(low), tables.number(high)
     if not count.isdigit() or int(count) < 2 or not math.isfinite(low + high):
-        raise tables.RunError(f"VARY: {text}: a range is LOW..HIGH/COUNT, for instance 1e-3..4e-3/4.")
+        raise tables.Error(f"VARY: {text}: a range is LOW..HIGH/COUNT, for instance 1e-3..4e-3/4.")
     return [f"{low + (high - low) * k / (int(count) - 1):.6g}" for k in range(int(count))]
 
 
@@ -53,10 +52,10 @@ def vary(text):
         name, mark, rest = word.partition("=")
         values = values_of(rest)
         if not mark or not name or not values:
-            raise tables.RunError(f"VARY: {word}: OPTION=VALUE;VALUE is wanted, for instance drop_velocity=0,-1;0,-2.")
+            raise tables.Error(f"VARY: {word}: OPTION=VALUE;VALUE is wanted, for instance drop_velocity=0,-1;0,-2.")
         found.append(("-" + name.lstrip("-"), values))
     if not 1 <= len(found) <= 2:
-        raise tables.RunError(f"VARY has {len(found)} options; one or two are wanted.")
+        raise tables.Error(f"VARY has {len(found)} options; one or two are wanted.")
     return found
 
 

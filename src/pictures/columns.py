@@ -1,7 +1,7 @@
 """The columns of series.csv that pictures show: which, their titles and handy units."""
 import numpy as np
 
-import tables
+from isph import tables
 
 SKIP = ("step", "wall_time", "rejected", "time")
 BESIDE = ("volume", "viscous_work", "tension_work", "outside_work")  # of the flow, yet not drawn unless asked for
@@ -40,7 +40,7 @@ def chosen(table, rows, wanted=None):
         if asked and name not in SKIP and len(good) > 1 and np.ptp(good) > ROUNDING * np.abs(good).max():
             found[name] = values
     if wanted and not found:
-        raise tables.RunError(f"--curves {' '.join(wanted)}: no column of this name changes in the series; it has "
+        raise tables.Error(f"--curves {' '.join(wanted)}: no column of this name changes in the series; it has "
                               + ", ".join(name for name in table if name not in SKIP))
     return found
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from tables import PACKAGES, RunError
+from isph.tables import PACKAGES, Error
 
 PATIENCE = 5  # s between lines of progress
 
@@ -20,7 +20,7 @@ def with_display():
     if os.environ.get("DISPLAY"):
         return
     if not shutil.which("Xvfb"):
-        raise RunError(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
+        raise Error(f"without a display the pictures need xvfb: apt-get install {PACKAGES}")
     reading, writing = os.pipe()
     server = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-noreset", "-screen", "0", "1280x1024x24"],
                               pass_fds=[writing], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -29,7 +29,7 @@ def with_display():
     with os.fdopen(reading, encoding="ascii") as answer:
         number = answer.readline().strip()
     if not number:
-        raise RunError("Xvfb, which the pictures need without a display, does not start.")
+        raise Error("Xvfb, which the pictures need without a display, does not start.")
     os.environ["DISPLAY"], os.environ["LIBGL_ALWAYS_SOFTWARE"] = f":{number}", "1"
 
 

@@ -13,8 +13,9 @@ import subprocess
 import sys
 import tempfile
 
-import tables
-from display import counted, with_display
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+from display import counted, with_display  # noqa: E402
+from isph import tables  # noqa: E402
 
 SIZE = (8.0, 6.0)  # inches at DPI dots: even numbers of pixels, as the encoder wants
 DPI = 120
@@ -50,7 +51,7 @@ def main():
     parser.add_argument("--elevation", type=float, default=25)
     arguments = parser.parse_args()
     if not shutil.which("ffmpeg"):
-        raise tables.RunError("a film needs ffmpeg; on Debian: apt-get install ffmpeg")
+        raise tables.Error("a film needs ffmpeg; on Debian: apt-get install ffmpeg")
     run = data.Run(arguments.folder)
     run.need(arguments.color)
     some = [run.read(path) for _, path in run.moments()]
@@ -68,7 +69,7 @@ def main():
         command = ["ffmpeg", "-y", "-loglevel", "error", "-framerate", f"{arguments.rate:g}", "-i",
                    os.path.join(scratch, "%06d.png"), "-c:v", "libx264", "-pix_fmt", "yuv420p", path]
         if subprocess.run(command, check=False).returncode:
-            raise tables.RunError(f"ffmpeg could not make {path}.")
+            raise tables.Error(f"ffmpeg could not make {path}.")
     print(path)
 
 

@@ -17,9 +17,10 @@ import subprocess
 import sys
 import time
 
-import display
-import report
-import tables
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+import display  # noqa: E402
+import report  # noqa: E402
+from isph import tables  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..")
@@ -75,7 +76,7 @@ def reported(run, place, title, reference=None):
             done = subprocess.run([sys.executable, os.path.join(HERE, name), run.folder, *map(str, flags)], check=False,
                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             if done.returncode:
-                raise tables.RunError(f"{title}: {name}: {done.stderr.strip()}")
+                raise tables.Error(f"{title}: {name}: {done.stderr.strip()}")
     shutil.copy(page_of, os.path.join(place, "report.html"))
     os.makedirs(os.path.join(place, "figures"), exist_ok=True)
     for name, _ in report.PICTURES:
@@ -167,6 +168,5 @@ if __name__ == "__main__":
     with tables.polite("gallery.py"):
         import concurrent.futures
         import markdown
-        sys.path.insert(0, os.path.join(HERE, "..", "python"))
         import isph
         main()

@@ -9,7 +9,7 @@ from vtkmodules.vtkImagingMorphological import vtkImageConnectivityFilter
 
 import columns
 import surface
-import tables
+from isph import tables
 
 COLOR, FAINT = "#E8C547", 0.35  # of pockets, and how much of it shows through liquid
 LEAST = 4  # cells of spacing^dim: smaller voids are none that a picture shows
@@ -125,7 +125,7 @@ def pressure_at(run, time, centre, axes):
         return None
     try:
         table = tables.read_table(path)
-    except tables.RunError:
+    except tables.Error:
         return None
     times = np.array(table["time"])
     now = np.abs(times - time)

@@ -12,7 +12,8 @@ import argparse
 import os
 import sys
 
-import tables
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+from isph import tables  # noqa: E402
 
 LEAST = 8
 FARTHEST = 0.5  # spacings, largest displacement of a corner that gives the mesh the liquid's volume
@@ -84,7 +85,7 @@ def write(mesh, path):
     writer.SetFileName(path)
     writer.SetInputData(mesh)
     if not writer.Write():
-        raise tables.RunError(f"{path} cannot be written.")
+        raise tables.Error(f"{path} cannot be written.")
 
 
 def series(folder, name, files):
@@ -130,7 +131,7 @@ def main():
     arguments = parser.parse_args()
     run = data.Run(arguments.folder)
     if run.dim != 3:
-        raise tables.RunError(f"{arguments.folder} is of a run in two dimensions, which has no surface mesh.")
+        raise tables.Error(f"{arguments.folder} is of a run in two dimensions, which has no surface mesh.")
     folder = os.path.join(arguments.folder, "mesh")
     os.makedirs(folder, exist_ok=True)
     meshes, clouds = [], []

@@ -17,8 +17,9 @@ import functools
 import os
 import sys
 
-import tables
-from display import together, with_display
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+from display import together, with_display  # noqa: E402
+from isph import tables  # noqa: E402
 
 with tables.polite("pictures.py"):
     import matplotlib

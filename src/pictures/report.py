@@ -21,9 +21,10 @@ import subprocess
 import sys
 import time
 
-import tables
-
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "python"))
+from isph import tables  # noqa: E402
+
 THREE = "/usr/share/javascript/three"
 VIEWER = [os.path.join(THREE, name) for name in ("three.min.js", "examples/js/controls/OrbitControls.js")]
 PICTURES = (("figure_1.png", "Six moments"), ("figure_2.png", "Crown, crater and jet beside the reference"),
@@ -129,7 +130,7 @@ def text_file(folder, name, title):
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             return f"<details><summary>{title}</summary><pre>{html.escape(file.read())}</pre></details>"
     except OSError as error:
-        raise tables.RunError(f"{error.filename}: {error.strerror}.") from error
+        raise tables.Error(f"{error.filename}: {error.strerror}.") from error
 
 
 def script(paths, address):
@@ -261,7 +262,7 @@ def main():
     parser.add_argument("--scripts", metavar="ADDRESS", help="where the scripts are, if not in the page")
     arguments = parser.parse_args()
     if not os.path.exists(VIEWER[0]):
-        raise tables.RunError("the view of the liquid needs three.js: apt-get install libjs-three")
+        raise tables.Error("the view of the liquid needs three.js: apt-get install libjs-three")
     run = data.Run(arguments.folder)
     scene, series = run.scene, tables.read_series(arguments.folder)
     body = ("<h2>Scene</h2>\n" + setting(scene) + liquids(scene) + "\n" + through_time(run, arguments)

@@ -6,8 +6,8 @@ import h5py
 import numpy as np
 
 import columns
-import tables
-from tables import RunError
+from isph import tables
+from isph.tables import Error
 
 AXES = "xyz"
 
@@ -78,7 +78,7 @@ class Run:
 
     def __init__(self, folder):
         if not os.path.isdir(folder):
-            raise RunError(f"{folder} is not a folder.")
+            raise Error(f"{folder} is not a folder.")
         self.folder, self.files = folder, []
         for path in sorted(glob.glob(os.path.join(folder, "snapshot_*.h5"))):
             try:
@@ -87,7 +87,7 @@ class Run:
             except (OSError, KeyError):
                 print(f"{path} is not a complete snapshot; it is left out.")
         if not self.files:
-            raise RunError(f"{folder} has no readable snapshot_*.h5.")
+            raise Error(f"{folder} has no readable snapshot_*.h5.")
         self.files.sort()
         self.scene, self.rows = tables.read_scene(folder), tables.rows_of(folder)
         with h5py.File(self.files[0][1], "r") as file:
@@ -187,7 +187,7 @@ class Run:
             return sorted({min(self.files, key=lambda item, t=t: abs(item[0] - t)) for t in times})
         try:
             table, rows = tables.read_series(self.folder), self.rows
-        except RunError:
+        except Error:
             table, rows = {}, {}
         done = columns.progress(table, rows, [time for time, _ in self.files])
         count, last = min(count, len(done)), -1
@@ -225,7 +225,7 @@ class Run:
     def need(self, color):
         """Refuses to colour by a field that the snapshots lack."""
         if not self.has(color):
-            raise RunError(f"the snapshots of {self.folder} have no {FIELD_OF[color]} (-snapshot_fields).")
+            raise Error(f"the snapshots of {self.folder} have no {FIELD_OF[color]} (-snapshot_fields).")
 
 def duration(seconds):
     """A time as text, with its unit."""

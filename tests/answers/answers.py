@@ -11,17 +11,16 @@ import subprocess
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
+sys.path[:0] = [os.path.join(HERE, "..")] + [os.path.join(HERE, "..", "..", "src", name) for name in ("answers", "python")]
 import answer  # noqa: E402
 import ladder  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-import launch  # noqa: E402
 import quantity  # noqa: E402
 import reduce  # noqa: E402
 import runs  # noqa: E402
 import study  # noqa: E402
-import tables  # noqa: E402
+from isph import launch, tables  # noqa: E402
 
 TOOLS = os.path.join(runs.ROOT, "src", "answers")
 CUBE = "-box_lower -4e-3,-4e-3,-4e-3 -box_upper 4e-3,4e-3,4e-3 -spacing 0.4e-3 -time_end 1e-3 "
@@ -126,11 +125,11 @@ PLENTY = 2000  # s: the proof is made on a slow machine, too
 
 
 def refused(call, words, name):
-    """The call raises RunError with these words."""
+    """The call raises Error with these words."""
     try:
         call()
         said = "nothing"
-    except tables.RunError as error:
+    except tables.Error as error:
         said = str(error)
     runs.check(words in said, name, said)
 
@@ -244,7 +243,7 @@ def reductions():
     for name, options, words, _ in REDUCED:
         try:
             why = reduce.reduced(scene(name, options)).why
-        except tables.RunError as error:
+        except tables.Error as error:
             why = str(error)
         runs.check(words in why, name, why)
     block = runs.scratch("block.stl")  # a wedge, symmetric across y
@@ -544,14 +543,14 @@ def resting(times, curve):
 def keys():
     """Another program, or another content of a file, is another run."""
     path, other = scene("keys", TANK.format("0.3")), runs.scratch("isph")
-    marks = [launch.mark_of.__wrapped__(path)]
+    marks = [launch.mark_of(launch.known.__wrapped__(path))]
     shutil.copy(launch.program(), other)
     before = os.environ.get("ISPH")
     os.environ["ISPH"] = other
-    marks.append(launch.mark_of.__wrapped__(path))
+    marks.append(launch.mark_of(launch.known.__wrapped__(path)))
     with open(other, "ab") as file:
         file.write(b"another")
-    marks.append(launch.mark_of.__wrapped__(path))
+    marks.append(launch.mark_of(launch.known.__wrapped__(path)))
     os.environ.pop("ISPH")
     if before:
         os.environ["ISPH"] = before
@@ -561,7 +560,7 @@ def keys():
     for way in (0.1, 0.1, 0.2):
         with open(table, "w", encoding="utf-8") as file:
             file.write(f"0,0,0,0\n1,{way},0,0\n")
-        marks.append(launch.mark_of.__wrapped__(path))
+        marks.append(launch.mark_of(launch.known.__wrapped__(path)))
     runs.check(marks[0] == marks[1] != marks[2], "key_of_a_table", str(marks))
 
 

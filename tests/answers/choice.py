@@ -7,12 +7,12 @@ import re
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "src", "answers")]
+sys.path[:0] = [os.path.join(HERE, "..")] + [os.path.join(HERE, "..", "..", "src", name) for name in ("answers", "python")]
 import answer  # noqa: E402
 import grading  # noqa: E402
-import launch  # noqa: E402
 import quantity  # noqa: E402
 import runs  # noqa: E402
+from isph import launch  # noqa: E402
 
 # (scene, seconds, the way that is taken, why): a drop above a film of six spacings, thin everywhere, and above a pool
 FALL = "-dimension axisymmetric -spacing 0.1e-3 -box_xmax wall -box_ymin wall -gravity 0,-9.81 -bodies pool,drop " \

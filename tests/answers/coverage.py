@@ -23,7 +23,7 @@ import physics  # noqa: E402
 import runner  # noqa: E402
 import quantity  # noqa: E402
 import runs  # noqa: E402
-import tables  # noqa: E402
+from isph import tables  # noqa: E402
 
 OUTPUT = os.path.join(runs.ROOT, "output", "coverage")
 COLUMNS = ("kind", "scene", "quantity", "value", "bar", "right", "inside", "confidence", "seconds")

@@ -14,7 +14,7 @@ import numpy as np  # noqa: E402
 import runs  # noqa: E402
 import columns  # noqa: E402
 import report  # noqa: E402
-import tables  # noqa: E402
+from isph import tables  # noqa: E402
 
 # a ball flies to the right and falls; numbers in braces are times the size of the scene
 SPACE = """-dimension 3 -box_lower {-.5},{-.5},{-.5} -box_upper {.5},{.5},{.5} -box_zmin wall -bodies ball

@@ -44,7 +44,7 @@ if runs.check(made.returncode == 0 and len(packages) == 1, "make_deb", made.stdo
     output("dpkg-deb", "-x", packages[0], there)
     root = os.path.join(there, "usr")
     names = ("bin/isph", "bin/isph-answer", "include/isph.h", "lib/isph/libisph.so",
-             "lib/python3/dist-packages/isph.py", "share/man/man1/isph.1.gz",
+             "lib/python3/dist-packages/isph/running.py", "share/man/man1/isph.1.gz",
              "share/bash-completion/completions/isph", "share/doc/isph/copyright",
              "share/isph/cases/couette/case.opts", "share/isph/pictures/solids.py")
     missing = [name for name in names if not os.path.exists(os.path.join(root, name))]

@@ -20,7 +20,7 @@ import report  # noqa: E402
 import run as data  # noqa: E402
 import solids as exact  # noqa: E402
 import surface  # noqa: E402
-import tables  # noqa: E402
+from isph import tables  # noqa: E402
 import viewer  # noqa: E402
 import views  # noqa: E402
 
@@ -314,14 +314,15 @@ ring = gas.surface_of(types.SimpleNamespace(scene={}), None)
 runs.check(len(ring[2]) == 0, "no_pockets_without_gas", ring)
 
 # windows one after the other, on the display that a program starts
-WINDOWS = """import sys; sys.path.insert(0, sys.argv[1])
+WINDOWS = """import sys; sys.path[:0] = sys.argv[1:]
 import display; display.with_display()
 import numpy as np, surface
 for _ in range(40):
     image = surface.render(np.eye(3), np.array([[0, 1, 2]]), np.full((3, 3), 9, np.uint8),
                            {"position": (2, 2, 2), "focus": (0, 0, 0), "up": (0, 0, 1), "angle": 60}, (60, 40))
 print((image == 9).sum() // 3)"""
-done = subprocess.run([sys.executable, "-c", WINDOWS, os.path.dirname(views.__file__)], text=True, check=False,
+done = subprocess.run([sys.executable, "-c", WINDOWS, os.path.dirname(views.__file__), os.path.join(
+    runs.ROOT, "src", "python")], text=True, check=False,
                       stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                       env={name: value for name, value in os.environ.items() if name != "DISPLAY"})
 runs.check(done.returncode == 0 and 100 < int(done.stdout) < 60 * 40, "many_windows", done.stdout + done.stderr[-300:])

@@ -23,11 +23,11 @@ import types
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import runs  # noqa: E402
 
-sys.path.insert(0, os.path.join(runs.ROOT, "src", "python"))
 os.environ.update(runs.mpi.ANY, MPLBACKEND="Agg")
 import isph  # noqa: E402
 import numpy as np  # noqa: E402
 
+PLACE = os.path.join(runs.ROOT, "src", "python")
 SCENE = """-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 1,1 -box_xmin wall -box_xmax wall -box_ymin wall
  -bodies film -film_upper 0.5,0.5 -gravity 0,-9.81 -time_end 0.1 -series_interval 0.01 -snapshot_interval 0.05
  -solids part -part_lower 0.75,0.1 -part_upper 0.9,0.3 -part_velocity 0.1,0"""
@@ -86,11 +86,11 @@ def module():
     stamp = os.path.getmtime(os.path.join(one.folder, "series.csv"))
     again = isph.run("tank.opts", again=True, gravity=(0, -9.81), film_viscosity=1e-3)
     runs.check(os.path.getmtime(os.path.join(one.folder, "series.csv")) > stamp, "again", again.folder)
-    half, call = isph.Job("tank.opts", one.folder, True, 1, {"gravity": (0, -9.81), "film_viscosity": 1e-3}), isph.call
-    isph.call = lambda words: (_ for _ in ()).throw(isph.Error("stopped half way"))
+    half, call = isph.running.Job("tank.opts", one.folder, True, 1, {"gravity": (0, -9.81), "film_viscosity": 1e-3}), isph.launch.call
+    isph.launch.call = lambda words: (_ for _ in ()).throw(isph.Error("stopped half way"))
     refused(half.go, "half way", "a_run_that_stops_half_way")
-    isph.call = call
-    runs.check(half.written() == "", "half_a_run_is_none", half.written())
+    isph.launch.call = call
+    runs.check(isph.launch.made(one.folder)["mark"] == "", "half_a_run_is_none", str(isph.launch.made(one.folder)))
     two = isph.run("tank.opts", ranks=2, gravity=(0, -1))
     runs.check(two.scene["ranks"] == 2, "two_ranks", two.folder)
 
@@ -107,7 +107,7 @@ def stopped():
     """Ctrl-C in Python: the run ends with a checkpoint."""
     home = runs.scratch("stopped")
     scene(home, "-time_end 1000 -part_velocity 0,0")  # else it leaves the box
-    program = f"import sys; sys.path.insert(0, {os.path.dirname(isph.__file__)!r}); import isph; " \
+    program = f"import sys; sys.path.insert(0, {PLACE!r}); import isph; " \
         "isph.run('tank.opts', output='run', progress=True)"
     process = subprocess.Popen([sys.executable, "-c", program], cwd=home, stderr=subprocess.PIPE, text=True)
     folder = os.path.join(home, "run")
@@ -190,13 +190,116 @@ if not comm.rank:
 """
 
 
+LIVES = """
+import gc, sys, types
+sys.path.insert(0, %r)
+import isph
+import numpy as np
+gc.disable()
+
+def says(words, function):
+    try:
+        print("not refused:", words, function())
+    except isph.Error as error:
+        assert words in str(error) and "Isph" not in str(error), error
+
+says("-film_viscosity is -1", lambda: isph.Simulation("tank.opts", film_viscosity=-1))
+now = isph.Simulation("tank.opts")
+says("tank.opts at 0 s; its close()", lambda: isph.Simulation("tank.opts"))
+now.step()
+place, up = now.position, now.position[:, 1]
+kept = [np.asarray(place), place.copy(), place + 0, place[place[:, 0] >= -1]]
+assert place.base is not None and not place.flags.writeable and up.max() == kept[0][:, 1].max()
+assert np.linalg.norm(place, axis=1).shape == up.shape == (len(now.body),) and all(type(one) is np.ndarray for one in kept)
+was = kept[1].copy()
+says("in place", lambda: place.__setitem__(0, 1))
+now.step()
+for late in (lambda: place + 1, lambda: up.max(), lambda: np.array(place), lambda: place[0],
+             lambda: len(up), lambda: np.sum(up), lambda: list(place), lambda: place.shape):
+    says("earlier state of the run", late)
+assert all(np.array_equal(one, was) for one in kept) and not np.array_equal(was, now.position)
+speed = now.velocity
+now.velocity = 0 * now.velocity
+says("earlier state", lambda: speed.max())
+seen = []
+now.run(0.05, lambda now: seen.append(now.position))
+says("earlier state", lambda: seen[0].max())
+now.run()
+for late in (now.step, lambda: now.step(0.01)):
+    says("the run is at its end, 0.1 s", late)
+last = now.position
+now.close()
+now.close()
+now = isph.Simulation("tank.opts")
+says("callback cannot end its run", lambda: now.run(after=lambda now: now.close()))
+last = now.position
+now.close()
+says("earlier state", lambda: last.max())
+for name in ("time", "time_step", "steps", "ended", "scene", "position", "columns_now"):
+    says("closed", lambda: now.column("highest") if name == "columns_now" else getattr(now, name))
+for late in (now.step, now.run, now.checkpoint, lambda: now.unit("velocity"), lambda: now.set("velocity", 0)):
+    says("closed", late)
+for _ in range(2):  # one after the other, each ended by del
+    now = isph.Simulation("tank.opts", steps_max=1)
+    now.run(after=lambda now: seen.append(now.velocity))
+    assert now.steps == 1 and now.ended
+    del now
+now = isph.Simulation("tank.opts", ksp_max_it=1, ksp_rtol=1e-14)
+try:
+    now.step()
+    now.run()
+except isph.Error as error:
+    assert "Isph" not in str(error), error
+now.close()
+import isph.running
+sys.modules["xarray"] = types.SimpleNamespace(Dataset=lambda fields, axes, attrs: (fields, axes, attrs))
+class PolyData:
+    def __init__(self, points):
+        self.points, self.point_data = points, {}
+sys.modules["pyvista"] = types.SimpleNamespace(PolyData=PolyData)
+last = isph.run("tank.opts").snapshots[-1]
+fields, axes, more = last.xarray()
+points = last.pyvista()
+assert fields["velocity"][0] == ("particle", "axis") and fields["velocity"][2]["units"] == last.units["velocity"] == "m/s"
+assert fields["body"][0] == ("particle",) and more["time"] == last.time and len(points.points) == 100
+assert np.array_equal(points.point_data["pressure"], last.pressure)
+now = isph.Simulation("tank.opts")  # open at the end of Python
+print("lives")
+"""
+
+
+def lives():
+    """The life of a run in Python: what comes too early, too late or twice raises a sentence; nothing else ends."""
+    home = runs.scratch("lives")
+    scene(home)
+    done = subprocess.run([sys.executable, "-c", LIVES % PLACE], cwd=home, env=runs.environment(), text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
+    runs.check(done.returncode == 0 and done.stdout == "lives\n", "lives", done.stdout[-800:])
+
+
+def interrupted():
+    """Ctrl-C in a run that Python steps ends its steps and is raised; the run goes on after it."""
+    home = runs.scratch("interrupted")
+    scene(home, "-time_end 1000 -part_velocity 0,0")
+    program = f"import sys; sys.path.insert(0, {PLACE!r}); import isph\nnow = isph.Simulation('tank.opts')\n" \
+        "print('begins', flush=True)\ntry:\n    now.run()\nexcept KeyboardInterrupt:\n" \
+        "    steps = now.steps\n    now.step()\n    print(now.steps - steps, now.ended)"
+    process = subprocess.Popen([sys.executable, "-c", program], cwd=home, stdout=subprocess.PIPE, text=True,
+                               env=runs.environment())
+    process.stdout.readline()
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    runs.check(process.returncode == 0 and said == "1 False\n", "ctrl_c_in_a_stepped_run", said)
+
+
 def stepped():
     """A run in the process of Python, on one and two ranks: fields without copies, columns, a callback, errors."""
     home, said = runs.scratch("stepped"), []
     scene(home)
     for ranks in (1, 2):
         words = ["mpiexec", "-n", str(ranks)] if ranks > 1 else []
-        done = subprocess.run([*words, sys.executable, "-c", STEPPED % os.path.dirname(isph.__file__)], cwd=home,
+        done = subprocess.run([*words, sys.executable, "-c", STEPPED % PLACE], cwd=home,
                               env=runs.environment(ranks), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                               stdin=subprocess.DEVNULL, timeout=120, check=False)
         runs.check(done.returncode == 0 and done.stdout.startswith("all 3 "), f"stepped_on_{ranks}",
@@ -214,10 +317,10 @@ def stepped():
 def page():
     """The example of options/python.md for a run that Python steps, as it is written."""
     with open(os.path.join(runs.ROOT, "options", "python.md"), encoding="utf-8") as file:
-        example = file.read().split("communicators are taken.\n")[1].split("\nWithout")[0]
+        example = file.read().split("communicators are taken.\n")[1].split("\nA process")[0]
     example = "import isph\n" + "".join(line[4:] or "\n" for line in example.splitlines(True))
     done = subprocess.run([sys.executable, "-c", example], cwd=runs.ROOT, stdout=subprocess.PIPE, text=True,
-                          check=False, env=dict(runs.environment(), PYTHONPATH=os.path.dirname(isph.__file__)),
+                          check=False, env=dict(runs.environment(), PYTHONPATH=PLACE),
                           timeout=120, stderr=subprocess.STDOUT)
     words = done.stdout.split()
     runs.check(done.returncode == 0 and len(words) == 4 and 0.1 < float(words[0]) < 0.4 and words[3] == "m/s",
@@ -308,7 +411,7 @@ def notebooks():
         shutil.rmtree(home)
 
 
-PARTS = {f.__name__: f for f in (module, stopped, stepped, page, answers, matrix, notebooks)}
+PARTS = {f.__name__: f for f in (module, stopped, lives, interrupted, stepped, page, answers, matrix, notebooks)}
 for part in ["notebooks"] if "--write" in sys.argv else runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

@@ -30,7 +30,7 @@ KEYS = {"file", "was", "is", "bug", "tests"}
 VERIFY = "verify/"
 DEAR = 60  # s of a test that need not run after each change of a file whose bugs it sees
 PLACES = re.compile(r"src/(?:\w+/)?\w+\.[ch]$|src/pictures/\w+\.js$|"
-                    r"(src/answers|src/pictures|src/python|tests/tradeoff|tests/verify)/\w+\.py$")
+                    r"(src/answers|src/pictures|src/python/isph|tests/tradeoff|tests/verify)/\w+\.py$")
 
 
 class Mutant(NamedTuple):

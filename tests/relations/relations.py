@@ -345,7 +345,7 @@ def half(t):
         if not mirrors:
             raise Unfit("; ".join(m["why"] for m in known.model["mirrors"] if m["why"]) or "there is no mirror")
         lines = reduce.mirrored(known, mirrors).lines
-    except reduce.tables.RunError as error:
+    except reduce.tables.Error as error:
         raise Unfit(str(error)) from error
     part = Scene(t.scene.name, {k: v for k, v in lines if k != "gauge_multiplicity"})
     planes = [m["across"] for m in mirrors]

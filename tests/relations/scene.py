@@ -8,7 +8,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-sys.path[:0] = [os.path.join(ROOT, "tests"), os.path.join(ROOT, "src", "answers")]
+sys.path[:0] = [os.path.join(ROOT, *place) for place in (("tests",), ("src", "answers"), ("src", "python"))]
 import numpy as np  # noqa: E402
 import reduce  # noqa: E402
 

@@ -65,9 +65,14 @@ static void Mistakes(void)
   CHECK(IsphCheckpoint(run) != 0 && strstr(IsphError(), "-output_dir"), "no_folder_no_checkpoint");
   CHECK(IsphFinalize() != 0, "finalize_with_a_run");
   CHECK(IsphStep(run, 1) == 0 && !IsphError()[0], "mistakes_do_not_end_a_run");
-  CHECK(IsphStep(run, 0) != 0 && strstr(IsphError(), "starts later"), "step_into_the_past");
-  CHECK(IsphStep(run, IsphTime(run)) != 0 && strstr(IsphError(), "starts later"), "step_of_no_time");
+  CHECK(IsphStep(run, 0) != 0 && strstr(IsphError(), "not before 0 s"), "step_into_the_past");
+  CHECK(IsphStep(run, IsphTime(run)) != 0 && strstr(IsphError(), "not before"), "step_of_no_time");
+  other = run;
+  CHECK(IsphRun(run, INFINITY) == 0 && IsphStep(run, INFINITY) != 0 && strstr(IsphError(), "at its end"), "step_on");
   CHECK(IsphDestroy(&run) == 0 && !run && IsphDestroy(&run) == 0, "destroy");
+  CHECK(IsphEnded(other) && isnan(IsphTime(other)) && isnan(IsphTimeStep(other)) && !IsphSteps(other) &&
+          !IsphFieldName(other, 0) && !IsphColumnName(other, 0) && IsphSetCallback(other, NULL, NULL),
+        "questions_to_a_run_that_is_none");
   CHECK(IsphCreate(SCENE, ISPH_WORLD, &run) == 0 && IsphStep(run, 1) != 0 && strstr(IsphError(), "IsphSetUp first"),
         "step_before_set_up");
   CHECK(IsphDestroy(&run) == 0, "destroy_before_set_up");

@@ -6,23 +6,25 @@ import math
 import os
 import sys
 
+LAST = 4096  # bytes that hold the last line of a series
 PACKAGES = "python3-h5py python3-matplotlib python3-vtk9 libjs-three xvfb"
 
 
-class RunError(Exception):
-    """An error that the user can correct; its text is the whole message."""
+class Error(RuntimeError):
+    """What the user can correct, or what the program said when it refused a scene or stopped; the text is the whole
+    message."""
 
 
 @contextlib.contextmanager
 def polite(program):
-    """Around imports and main: a RunError, a path that cannot be used or a missing library ends the program with one
+    """Around imports and main: a Error, a path that cannot be used or a missing library ends the program with one
     sentence."""
     try:
         yield
     except ImportError as error:
         sys.exit(f"{program}: {sys.executable} has no {error.name}; on Debian: apt-get install {PACKAGES}, then use "
                  "/usr/bin/python3.")
-    except RunError as error:
+    except Error as error:
         sys.exit(f"{program}: {error}")
     except OSError as error:
         if not error.filename:
@@ -68,23 +70,32 @@ def read_table(path, names=()):
         with open(path, newline="") as stream:
             rows = list(csv.reader(line for line in stream if line.strip() and not line.startswith("#")))
     except OSError as error:
-        raise RunError(f"{path}: {error.strerror}.") from error
+        raise Error(f"{path}: {error.strerror}.") from error
     if len(rows) < 2:
-        raise RunError(f"{path} has no data yet.")
+        raise Error(f"{path} has no data yet.")
     heads = [dict(names).get(name.strip(), name.strip()) for name in rows[0]]
     rows = [row for row in rows[1:] if len(row) == len(heads)]  # a run that still writes may leave half a line
     table = Table({name: [number(row[i]) for row in rows] for i, name in enumerate(heads)})
     if "time" not in table:
-        raise RunError(f"{path} has no column 'time'.")
+        raise Error(f"{path} has no column 'time'.")
     return table
 
 
 def read_series(folder):
     """The time series of a run, by the names of its columns without their units."""
     if not os.path.isdir(folder):
-        raise RunError(f"{folder} is not a folder.")
+        raise Error(f"{folder} is not a folder.")
     names = {row["head"]: row["name"] for row in rows_of(folder).values()}
     return read_table(os.path.join(folder, "series.csv"), names)
+
+
+def last_time(folder):
+    """The time (s) of the last whole line of a run's series, which may still be written."""
+    with open(os.path.join(folder, "series.csv"), "rb") as file:
+        heads = file.readline().decode().split(",")
+        file.seek(max(file.tell(), os.fstat(file.fileno()).st_size - LAST))
+        last = file.read().decode(errors="replace").rpartition("\n")[0].rpartition("\n")[2].split(",")
+    return float(last[[head.rpartition("_")[0] for head in heads].index("time")])
 
 
 def rows_of(folder):
@@ -99,6 +110,6 @@ def read_scene(folder):
         with open(path, encoding="utf-8") as stream:
             return json.load(stream)
     except OSError as error:
-        raise RunError(f"{path}: {error.strerror}; this version of isph writes it.") from error
+        raise Error(f"{path}: {error.strerror}; this version of isph writes it.") from error
     except ValueError as error:
-        raise RunError(f"{path} is no scene.json: {error}.") from error
+        raise Error(f"{path} is no scene.json: {error}.") from error
