@@ -12,7 +12,7 @@ struct _p_Isph {
   Sim              sim;
   PetscOptions     options;             /* NULL: those of PETSc's database, of the program */
   PetscBool        done, ready, failed; /* done: options wanted no run; ready: set up; failed: after an error */
-  PetscBool        calling; /* 'after' */
+  PetscBool        calling;             /* 'after' */
   IsphCallback     after;
   void            *context;
   char            *json;

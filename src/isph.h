@@ -30,9 +30,9 @@ typedef struct _p_Isph *Isph;
 ISPH_PUBLIC int IsphCreate(const char options[], int comm, Isph *run);
 /* IsphSetUp - makes the particles, or reads them from -restart. */
 ISPH_PUBLIC int IsphSetUp(Isph run);
-/* IsphStep - a step, at most to the time 'end' (s), then the callback; refused at the end of the run. IsphRun - steps to the time 'end', then what the
-   program does at its end: the last line of the series, snapshot and checkpoint. Both end at -time_end and after
-   -steps_max steps, too. INFINITY: no other end. */
+/* IsphStep - a step, at most to the time 'end' (s), then the callback; refused at the end of the run. IsphRun - steps
+   to the time 'end', then what the program does at its end: the last line of the series, snapshot and checkpoint. Both
+   end at -time_end and after -steps_max steps, too. INFINITY: no other end. */
 ISPH_PUBLIC int IsphStep(Isph run, double end);
 ISPH_PUBLIC int IsphRun(Isph run, double end);
 /* IsphEnded - whether the run is at -time_end, has made -steps_max steps, or a signal or -wall_clock_limit ends it. Not
@@ -44,8 +44,8 @@ typedef int (*IsphCallback)(void *context, Isph run);
 ISPH_PUBLIC int IsphSetCallback(Isph run, IsphCallback after, void *context);
 /* IsphCheckpoint - writes a checkpoint into the run folder; needs -output_dir. */
 ISPH_PUBLIC int IsphCheckpoint(Isph run);
-/* IsphDestroy - *run becomes NULL; refused in a callback of the run. IsphFinalize - ends PETSc and MPI if IsphCreate has started them; after it there can
-   be no run in the process. */
+/* IsphDestroy - *run becomes NULL; refused in a callback of the run. IsphFinalize - ends PETSc and MPI if IsphCreate
+   has started them; after it there can be no run in the process. */
 ISPH_PUBLIC int IsphDestroy(Isph *run);
 ISPH_PUBLIC int IsphFinalize(void);
 

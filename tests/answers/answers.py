@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, "..")] + [os.path.join(HERE, "..", "..", "src", name) for name in ("answers", "python")]
+sys.path[:0] = [os.path.join(HERE, "..", *place) for place in ((), ("..", "src", "answers"), ("..", "src", "python"))]
 import answer  # noqa: E402
 import ladder  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402

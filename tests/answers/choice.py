@@ -7,7 +7,7 @@ import re
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, "..")] + [os.path.join(HERE, "..", "..", "src", name) for name in ("answers", "python")]
+sys.path[:0] = [os.path.join(HERE, "..", *place) for place in ((), ("..", "src", "answers"), ("..", "src", "python"))]
 import answer  # noqa: E402
 import grading  # noqa: E402
 import quantity  # noqa: E402

@@ -30,7 +30,7 @@ def program():
     found = os.environ.get("ISPH") or next((path for path in (tree, beside) if os.path.isfile(path)), None) or \
         shutil.which("isph")
     if not found:
-        raise tables.Error("there is no isph, neither in this tree nor in PATH; build it with make, or name it in ISPH.")
+        raise tables.Error("there is no isph in this tree or in PATH; build it with make, or name it in ISPH.")
     return os.path.abspath(found)
 
 
@@ -56,8 +56,8 @@ def text_of(scene, options):
 
 def start(words, limit=math.inf):
     """Runs the program or a tool to its end, or until it has used 'limit' processor seconds: (exit code, its sentence,
-    processor seconds). The clock is no measure: the machine may be busy. Ctrl-C ends it, a run with a checkpoint, and is
-    raised then."""
+    processor seconds). The clock is no measure: the machine may be busy. Ctrl-C ends it, a run with a checkpoint, and
+    is raised then."""
     with tempfile.TemporaryFile("w+", errors="replace") as out:
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT,
                                    start_new_session=True, env=dict(os.environ, OMP_NUM_THREADS="1"))
