@@ -143,7 +143,8 @@ install: $(PROGRAM) $(LIBRARIES)
 	$(PYTHON) options/manual.py --completion > "$$DESTDIR$$PREFIX"/share/bash-completion/completions/isph
 	for tool in $(TOOLS); do \
 	  name="$$DESTDIR$$PREFIX"/bin/isph-$${tool#*/}; \
-	  printf '#!/bin/sh\nexec %s "%s/share/isph/%s.py" "$$@"\n' $(PYTHON) "$$PREFIX" $$tool > "$$name" && chmod 755 "$$name"; done
+	  printf '#!/bin/sh\nexec %s "$$(dirname "$$(readlink -f "$$0")")/../share/isph/%s.py" "$$@"\n' $(PYTHON) $$tool > "$$name" && \
+	  chmod 755 "$$name"; done
 
 # Removes what install puts under the same PREFIX.
 uninstall:

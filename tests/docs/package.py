@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""make deb: the package has what make install installs, names the libraries that it needs, and unpacked its program,
-its Python and its library work; CITATION.cff has the program's version. Skipped without dpkg-dev."""
+"""pip install . without a network gives program, library and Python. make deb: the package has what make install
+installs, names the libraries that it needs, and unpacked its program, its Python and its library work; CITATION.cff has
+the program's version. Skipped without dpkg-dev."""
 import glob
+import importlib.util
 import os
 import re
 import shutil
@@ -27,6 +29,15 @@ def output(*words, **more):
 version = runs.start("-version").stdout.split()[1].rstrip(",")
 with open(os.path.join(runs.ROOT, "options", "CITATION.cff"), encoding="utf-8") as file:
     runs.check(f"\nversion: {version}\n" in file.read(), "version_of_the_citation", version)
+if importlib.util.find_spec("pip"):
+    there = runs.scratch("pip")
+    made = output(sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--target", there, runs.ROOT)
+    found = {name: value for name, value in runs.environment().items() if name not in ("ISPH", "ISPH_LIBRARY")}
+    done = output(sys.executable, "-c", USE.format(root=there), cwd=runs.scratch(""), env=dict(found, PYTHONPATH=there))
+    runs.check(made.returncode == 0 and done.stdout.split() == ["2.0", f"{there}/bin/isph", "1", "True"], "pip_install",
+               made.stdout[-300:] + done.stdout[-300:])
+    helped = output(os.path.join(there, "bin", "isph-answer"), "--help", cwd=runs.scratch(""))
+    runs.check(helped.returncode == 0 and "--quantity" in helped.stdout, "tools_of_pip", helped.stdout[-300:])
 if not shutil.which("dpkg-shlibdeps") or not shutil.which("strip"):
     print("skipped: dpkg-dev is not installed")
     runs.done()

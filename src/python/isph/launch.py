@@ -9,7 +9,6 @@ import re
 import resource
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 
@@ -25,10 +24,10 @@ NEAR = 0.8  # of its limit, where the kernel, which counts ticks, may stop a run
 
 
 def program():
-    """The path of isph: of $ISPH, of this tree, of where this Python has its programs, or of PATH."""
-    tree, beside = os.path.join(HERE, "..", "..", "..", "isph"), os.path.join(sys.prefix, "bin", "isph")
-    found = os.environ.get("ISPH") or next((path for path in (tree, beside) if os.path.isfile(path)), None) or \
-        shutil.which("isph")
+    """The path of isph: of $ISPH, of this tree, of the prefix where this package is, or of PATH."""
+    places = [os.path.join(HERE, *place) for place in (("..", "..", "..", "isph"), ("..", "bin", "isph"),
+                                                       ("..", "..", "..", "..", "bin", "isph"))]
+    found = os.environ.get("ISPH") or next(filter(os.path.isfile, places), None) or shutil.which("isph")
     if not found:
         raise tables.Error("there is no isph in this tree or in PATH; build it with make, or name it in ISPH.")
     return os.path.abspath(found)
