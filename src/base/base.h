@@ -277,6 +277,23 @@ PetscInt    WordDistance(const char a[], const char b[]);
 PetscInt    WordsAlike(const char name[]);
 const char *OptionMeant(const char option[]);
 
+/* A formula, as what a stack does. FormulaRead - reads one until a comma or the end: numbers, pi, the variables that
+   'names' has a letter for, + - * / ^, parentheses, sin, cos, tan, exp, log, sqrt, tanh, atan, abs, step (1 above 0,
+   else 0). *text moves behind it, or to what cannot be read, where it returns false. FormulaValue - its value; x: the
+   variables in the order of 'names'. Not collective. */
+#define FORMULA_MOST 200
+typedef struct {
+  char      what;
+  int       index;
+  PetscReal value;
+} FormulaPart;
+typedef struct {
+  PetscInt    count;
+  FormulaPart part[FORMULA_MOST];
+} Formula;
+PetscBool FormulaRead(const char **text, const char names[], Formula *formula);
+PetscReal FormulaValue(const Formula *formula, const PetscReal x[]);
+
 /* SplitMix64 - a 64-bit hash: the output function of the generator SplitMix64 (Steele, Lea and Flood 2014). Not
    collective. */
 static inline unsigned long long SplitMix64(unsigned long long z)

@@ -137,17 +137,22 @@ static PetscErrorCode CreateParticles(Packing packing)
 static PetscErrorCode SetVelocities(Packing packing)
 {
   ParticleArrays arrays;
+  PetscInt       bad = -1; /* a body whose formula has no value */
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(packing->cloud->particles, &arrays));
   for (PetscInt a = 0; a < arrays.n; a++) {
     const PetscInt body = arrays.integer[INT_BODY][a];
+    PetscReal     *v    = arrays.real[FIELD_VELOCITY] + DIM * a;
 
-    if (body >= 0)
-      BodyVelocity(SceneBody(packing->cloud->scene, body), arrays.real[FIELD_POSITION] + DIM * a,
-                   arrays.real[FIELD_VELOCITY] + DIM * a);
+    if (body < 0) continue;
+    BodyVelocity(SceneBody(packing->cloud->scene, body), arrays.real[FIELD_POSITION] + DIM * a, v);
+    if (PetscIsInfOrNanReal(v[0] + v[1] + v[2])) bad = PetscMax(bad, body);
   }
   PetscCall(ParticlesClose(packing->cloud->particles, &arrays));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MAX, packing->cloud->comm));
+  PetscCheckUser(bad < 0, packing->cloud->comm, "-%s_velocity_formula is no number at some of the particles",
+                 BodyName(SceneBody(packing->cloud->scene, bad)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,8 +5,8 @@
    -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread|stl, its sizes, -<b>_density, -<b>_viscosity,
    -<b>_tension,
    -<b>_viscosity_model newtonian|power_law|carreau|herschel_bulkley and its numbers (viscosity.c),
-   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green and its numbers (added to
-   the uniform part). Every shape is cut by the box and by the solids.
+   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|formula and its numbers (added
+   to the uniform part). Every shape is cut by the box and by the solids.
 
    -<b>_type emitter: the body is empty at the start. Its shape is filled with liquid of the body's velocity every
    _interval (s) from _start (s) on, _count times (0: without end). The default interval is the shape's length along the

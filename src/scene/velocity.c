@@ -136,11 +136,55 @@ static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   v[1] += vortex->amplitude.value[0] * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
 }
 
+/* A formula for each component. */
+typedef struct {
+  char    text[PETSC_MAX_PATH_LEN];
+  Formula of[DIM];
+} Formulas;
+
+static const OptionRow formula[] = {
+  {"-velocity_formula",
+   "Velocity as formulas of x, y and z in m (rings: r and z), separated by commas: 0.1*sin(2*pi*x/1e-3), 0; with + - * "
+   "/ ^, pi, sin, cos, tan, exp, log, sqrt, tanh, atan, abs and step, which is 1 above 0",
+   "m/s", NULL, ROW_TEXT, offsetof(Formulas, text), .fallback = OPTION_REQUIRED},
+  {.name = NULL},
+};
+
+static PetscErrorCode FormulasSetUp(void *owner)
+{
+  Body        body     = (Body)owner;
+  Formulas   *formulas = (Formulas *)body->velocity_data;
+  const char *text = formulas->text, *names = body->domain->rings ? "rz" : body->domain->dim == 2 ? "xy" : "xyz";
+
+  PetscFunctionBegin;
+  PetscCheckUser(text[0], body->domain->comm,
+                 "-%svelocity_formula is missing: -%svelocity_type formula needs it; at its start 0-x stands for -x",
+                 body->prefix, body->prefix);
+  for (PetscInt d = 0; d < body->domain->dim; d++)
+    PetscCheckUser(FormulaRead(&text, names, &formulas->of[d]), body->domain->comm,
+                   "-%svelocity_formula \"%s\" has %" PetscInt_FMT " formulas that can be read, not %" PetscInt_FMT
+                   ": the next is \"%s\"; see -help formula",
+                   body->prefix, formulas->text, d, body->domain->dim, text);
+  PetscCheckUser(!*text, body->domain->comm,
+                 "-%svelocity_formula has more than %" PetscInt_FMT " formulas: \"%s\" is left", body->prefix,
+                 body->domain->dim, text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void FormulasAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
+{
+  const Formulas *formulas = (const Formulas *)body->velocity_data;
+
+  for (PetscInt d = 0; d < body->domain->dim; d++) v[d] += FormulaValue(&formulas->of[d], x);
+}
+
 static const VelocityOps Uniform      = {{"uniform", 0, NULL, NULL, NULL}, NULL};
 static const VelocityOps Rotation     = {{"rotation", sizeof(Linear), rotation, NULL, RotationSetUp}, LinearAdd};
 static const VelocityOps Strain       = {{"strain", sizeof(Linear), strain, NULL, StrainSetUp}, LinearAdd};
 static const VelocityOps TaylorGreens = {{"taylor_green", sizeof(TaylorGreen), taylor_green, TaylorGreenDefaults,
                                           TaylorGreenSetUp},
                                          TaylorGreenAdd};
+static const VelocityOps ByFormula    = {{"formula", sizeof(Formulas), formula, NULL, FormulasSetUp}, FormulasAdd};
 
-const Choice *const Velocities[] = {&Uniform.choice, &Rotation.choice, &Strain.choice, &TaylorGreens.choice, NULL};
+const Choice *const Velocities[] = {&Uniform.choice,      &Rotation.choice,  &Strain.choice,
+                                    &TaylorGreens.choice, &ByFormula.choice, NULL};

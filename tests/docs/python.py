@@ -95,6 +95,14 @@ def module():
     two = isph.run("tank.opts", ranks=2, gravity=(0, -1))
     runs.check(two.scene["ranks"] == 2, "two_ranks", two.folder)
 
+    swirl = {"film_velocity_type": "formula", "film_velocity_formula": "0.1*sin(pi*x/0.5), 0"}
+    first = isph.run("tank.opts", time_end=1e-9, **swirl).snapshots[0]
+    due = 0.1 * np.sin(np.pi * first.position[:, 0] / 0.5)
+    runs.check_below(abs(first.velocity[:, 0] - due).max(), 1e-6, "formula")
+    kept = isph.running.Job("tank.opts", None, False, 1, {"time_end": 1e-9, **swirl})
+    runs.check(kept.done, "formula_is_cached", kept.folder)
+    refused(lambda: isph.run("tank.opts", film_velocity_type="formula", film_velocity_formula="log(0-x),0"),
+            "is no number at some", "formula_without_a_value")
     refused(lambda: isph.runs("tank.opts", film_viscosity=[1e-3, -1]), "-film_viscosity is -1", "refused")
     refused(lambda: isph.run("tank.opts", film_viscosty=1), "-film_viscosity", "misspelt")
     refused(lambda: isph.run("nowhere.opts"), "nowhere.opts cannot be opened", "no_scene")

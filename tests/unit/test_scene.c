@@ -270,6 +270,13 @@ static PetscErrorCode TestVelocities(void)
                           "-a_velocity_type taylor_green -a_taylor_green_amplitude 2 -a_taylor_green_wavelength 1",
                           p, -2 * PetscCosReal(k * 0.3) * PetscSinReal(k * 0.2),
                           2 * PetscSinReal(k * 0.3) * PetscCosReal(k * 0.2), 0, "velocity_taylor_green"));
+  PetscCall(CheckVelocity(CUBE BALL
+                          "-a_velocity 1,0,0 -a_velocity_type formula -a_velocity_formula "
+                          "0-x^2+2*-y-(y-z)/.5,2^3^2/2^-1*step(z)+step(-z),exp(log(abs(z)))*cos(pi)+1e-1*sqrt(4)",
+                          x, 1 - 0.09 - 0.4 - 0.6, 1, -0.1 + 0.2, "velocity_formulas"));
+  PetscCall(CheckVelocity("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
+                          "-a_velocity_type formula -a_velocity_formula r*z,tanh(atan(tan(z)))+sin(r)",
+                          p, 0.06, PetscTanhReal(0.2) + PetscSinReal(0.3), 0, "velocity_formulas_of_rings"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -418,6 +425,19 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE BALL "-a_velocity_type rotation", "-a_rotation_rate is missing", "refuse_no_rate"));
   PetscCall(
     Refused(CUBE BALL "-a_velocity_type strain -a_strain_rate 1,1,1", "sum of its diagonal", "refuse_divergence"));
+  PetscCall(Refused(SQUARE BALL "-a_velocity_type formula", "-a_velocity_formula is missing", "refuse_no_formula"));
+  PetscCall(Refused(SQUARE BALL "-a_velocity_type formula -a_velocity_formula x", "1 formulas that can be read, not 2",
+                    "refuse_one_formula"));
+  PetscCall(Refused(SQUARE BALL "-a_velocity_type formula -a_velocity_formula x,y,0", "\"0\" is left",
+                    "refuse_three_formulas"));
+  for (const char *const *f = (const char *const[]){"z", "2x", "sin", "sin(x", "x+", "(", "x)", "cos x", "0x1f", NULL};
+       *f; f++) {
+    char text[256];
+
+    PetscCall(
+      PetscSNPrintf(text, sizeof(text), SQUARE BALL "-a_velocity_type formula -a_velocity_formula \"0,%s\"", *f));
+    PetscCall(Refused(text, "formula", *f));
+  }
   PetscCall(Refused("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1 -box_upper 1,1 " BALL
                     "-a_velocity_type strain -a_strain_rate -1,1",
                     "first number counted twice for rings", "refuse_divergence_of_rings"));
