@@ -11,7 +11,8 @@ import sys
 
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "options.json"), encoding="utf-8") as file:
     KNOWN = json.load(file)
-OWNER = "<body>"
+OWNER, FACE = "<body>", "<face>"
+FACES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 HEAD = r""".TH ISPH 1 "" "isph" "User Commands"
 .SH NAME
@@ -87,10 +88,10 @@ def completion():
     names, bodies, choices = [], [], ""
     for option in KNOWN["options"]:
         name, values = option["name"], option.get("values", ["true", "false"] if option["kind"] == "bool" else [])
-        if option["owner"]:
+        if option["owner"] == OWNER:
             bodies.append(name.removeprefix(f"-{OWNER}_"))
             continue
-        names.append(name)
+        names += [name.replace(FACE, face) for face in FACES] if FACE in name else [name]
         if values:
             choices += f"    {name}) COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\")); return ;;\n"
     return COMPLETION % (choices, " ".join([*dict.fromkeys(names), "-options_file", "-help", "-log_view", "-ksp_type",

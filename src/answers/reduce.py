@@ -110,12 +110,12 @@ def flat_faces(scene, kept):
     kinds = {face["name"]: face for face in scene.domain["faces"]}
     for d, letter in zip(kept, LETTERS):
         for end in ("min", "max"):
-            face, angle = kinds[LETTERS[d] + end], scene.options.get(f"box_{LETTERS[d]}{end}_contact_angle")
-            yield f"box_{letter}{end}", face["type"]
-            if any(face["velocity"]):
-                yield f"box_{letter}{end}_velocity", joined(face["velocity"][k] for k in kept)
-            if angle:
-                yield f"box_{letter}{end}_contact_angle", angle["value"]
+            owner, to = f"box_{LETTERS[d]}{end}", f"box_{letter}{end}"
+            yield to, kinds[LETTERS[d] + end]["type"]
+            for name, option in scene.options.items():
+                if option["owner"] == owner:
+                    v = option["value"]
+                    yield to + name[len(owner):], joined(numbers(v)[k] for k in kept) if option["kind"] == "direction" else v
 
 
 def rings(scene, axis):
@@ -161,14 +161,16 @@ def mirrored(scene, mirrors):
     planes, gone = [mirror["across"] for mirror in mirrors], {b for mirror in mirrors for b in mirror["gone"]}
     for letter in planes:
         lower[LETTERS.index(letter)] = 0.5 * (lower[LETTERS.index(letter)] + upper[LETTERS.index(letter)])
+    gone |= {hole["name"] for body in scene.bodies.values() for hole in body.get("holes", ())
+             if any(hole["upper"][LETTERS.index(letter)] <= lower[LETTERS.index(letter)] for letter in planes)}
     lines, kinds = [], {face["name"]: face["type"] for face in scene.domain["faces"]}
     for name, option in scene.options.items():
-        value = option["value"]
+        value, listed = option["value"], name in BODY_LISTS or name.endswith("_holes")
         if option["owner"] in gone or name in ("gauge_multiplicity", *(f"box_{letter}" for letter in planes)):
             continue
-        if name in BODY_LISTS:
+        if listed:
             value = ",".join(body for body in value.split(",") if body not in gone)
-        if value or name not in BODY_LISTS:
+        if value or not listed:
             lines.append((name, joined(lower) if name == "box_lower" else value))
     for letter in planes:
         other = kinds[letter + "max"]

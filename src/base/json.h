@@ -27,6 +27,9 @@ void JsonInt(Json *json, const char key[], PetscInt value);
 void JsonBool(Json *json, const char key[], PetscBool value);
 void JsonReals(Json *json, const char key[], PetscInt n, const PetscReal value[]);
 
+/* OptionsValues - writes the values of a struct by the rows of a table, with the names of the options; dim: numbers of
+   a vector. A choice is left out: it has rows of its own. Not collective. */
+void OptionsValues(Json *json, const OptionRow rows[], const void *data, PetscInt dim);
 /* OptionsJson - writes the noted options as the array "options". scene: those that were read, bodies and all, with
    their values; else those of any scene, with <body> for the name of a body. Not collective. */
 PetscErrorCode OptionsJson(Json *json, PetscBool scene);

@@ -36,6 +36,7 @@ typedef struct {
   const char *const   *words;      /* ROW_WORD; ends with NULL */
   const Choice *const *choices;    /* ROW_CHOICE; ends with NULL */
   PetscInt             most;       /* ROW_NUMBERS, ROW_NAMES; 0: OPTION_NUMBERS_MOST */
+  PetscBool            changes;    /* from one start of a run to the next it may: see OptionsIdentity */
 } OptionRow;                       /* the last row of a table has no name */
 #define OPTION_REQUIRED "required" /* a fallback */
 
@@ -84,6 +85,12 @@ PetscErrorCode OptionsReadIf(OptionItems items, PetscBool applies, const char wh
                              const char place[], void *data);
 /* OptionHelp - the text of a row for -help: meaning, unit, interval, words. Not collective. */
 PetscErrorCode OptionHelp(const OptionRow *row, char help[NAMES_LENGTH]);
+
+/* OptionsSame - whether two structs have the same values by the rows of a table. OptionsIdentity - writes the values of
+   a struct as lines "-<prefix>option = value", all numbers as they were read, but for those that a restart may change,
+   numbers that were not given, and names; dim: numbers of a vector. Not collective. */
+PetscBool OptionsSame(const OptionRow rows[], const void *one, const void *other);
+void      OptionsIdentity(FILE *text, const char prefix[], const OptionRow rows[], const void *data, PetscInt dim);
 
 /* ChoiceFind - the entry of a registry; refuses (UserError) a name that is none, of the option. Collective. */
 PetscErrorCode ChoiceFind(MPI_Comm comm, const Choice *const choices[], const char option[], const char name[],

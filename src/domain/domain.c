@@ -40,16 +40,18 @@ static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadFaceVelocity(Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side)
+static const OptionRow moving[] = {
+  {"-velocity", "Velocity of a wall face, tangential", "m/s", NULL, ROW_DIRECTION, 0},
+  {.name = NULL},
+};
+
+static PetscErrorCode CheckFaceVelocity(Domain domain, PetscInt d, PetscInt side)
 {
-  char            option[NAME_LENGTH];
-  PetscReal      *velocity = domain->wall_velocity[d][side];
-  const OptionRow rows[]   = {{option, "Velocity of a wall face, tangential", "m/s", NULL, ROW_DIRECTION, 0},
-                              {.name = NULL}};
+  char             option[NAME_LENGTH];
+  const PetscReal *velocity = domain->wall_velocity[d][side];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s_velocity", FaceNames[d][side]));
-  PetscCall(DomainReadOptions(domain, PetscOptionsObject, rows, PLACE, velocity));
   PetscCheckUser(!OptionFind(option)->given || domain->face[d][side] == FACE_WALL, domain->comm,
                  "%s: the face is %s; only a wall has a velocity", option, FaceTypes[domain->face[d][side]]);
   PetscCheckUser(velocity[d] == 0, domain->comm,
@@ -74,7 +76,6 @@ static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
       PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "Type of both faces of a direction", d, 0, 1));
     for (PetscInt side = first; side < 2; side++)
       PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "Type of one face", d, side, side));
-    for (PetscInt side = first; side < 2; side++) PetscCall(ReadFaceVelocity(domain, PetscOptionsObject, d, side));
     PetscCheckUser((domain->face[d][0] == FACE_PERIODIC) == (domain->face[d][1] == FACE_PERIODIC), domain->comm,
                    "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
                    FaceTypes[domain->face[d][0]], FaceNames[d][1], FaceTypes[domain->face[d][1]]);
@@ -143,7 +144,7 @@ static const OptionRow spacing[] = {
   {"-spacing_growth",
    "Increase of the spacing per distance from what is fine; 0.05 makes less noise if the spacing grows along a free "
    "surface",
-   "1", "(0, 0.2]", ROW_REAL, offsetof(struct _p_Domain, growth)},
+   "1", "(0, 0.2]", ROW_REAL, offsetof(struct _p_Domain, growth), .changes = PETSC_TRUE},
   {"-box_lower", "Lower corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, lower),
    .fallback = OPTION_REQUIRED},
   {"-box_upper", "Upper corner of the box", "m", NULL, ROW_POINT, offsetof(struct _p_Domain, upper),
@@ -181,6 +182,11 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
   PetscCall(CheckBox(domain));
   PetscCall(ReadFaces(domain, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(DomainReadFaces(domain, moving, PLACE, DIM * sizeof(PetscReal), domain->wall_velocity));
+  for (PetscInt f = DomainFirstStraight(domain); f < 2 * domain->dim; f++)
+    PetscCall(CheckFaceVelocity(domain, f / 2, f % 2));
+  for (PetscInt f = 0; f < 2 * DIM; f++) PetscCall(PropertiesMake(domain, OWNER_FACE, &domain->own[f / 2][f % 2]));
+  PetscCall(DomainReadFaces(domain, NULL, PLACE, sizeof(Properties), domain->own));
   PetscCall(AdaptiveSetFromOptions(domain));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -274,6 +280,21 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void DomainIdentity(Domain domain, FILE *text)
+{
+  fprintf(text, "-dimension = %s\n", domain->rings ? "axisymmetric" : domain->dim == 2 ? "2" : "3");
+  OptionsIdentity(text, "", spacing, domain, domain->dim);
+  if (domain->graded) fprintf(text, "-spacing_coarse = %.12g\n", (double)domain->spacing_coarse);
+  if (domain->adaptive) fprintf(text, "-spacing_follow = on\n"); /* what it follows may change */
+  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
+    char prefix[NAME_LENGTH];
+
+    (void)snprintf(prefix, sizeof(prefix), "box_%s_", FaceNames[f / 2][f % 2]);
+    fprintf(text, "-box_%s = %s\n", FaceNames[f / 2][f % 2], FaceTypes[domain->face[f / 2][f % 2]]);
+    PropertiesIdentity(domain, &domain->own[f / 2][f % 2], prefix, text);
+  }
+}
+
 void DomainJson(Domain domain, Json *json)
 {
   JsonObject(json, "domain");
@@ -291,6 +312,7 @@ void DomainJson(Domain domain, Json *json)
     JsonText(json, "name", FaceNames[f / 2][f % 2]);
     JsonText(json, "type", FaceTypes[domain->face[f / 2][f % 2]]);
     JsonReals(json, "velocity", domain->dim, domain->wall_velocity[f / 2][f % 2]);
+    PropertiesJson(domain, &domain->own[f / 2][f % 2], json);
     JsonEnd(json);
   }
   JsonEnd(json);
@@ -304,6 +326,8 @@ PetscErrorCode DomainDestroy(Domain *domain)
   if ((*domain)->adaptive) PetscCall((*domain)->adaptive->destroy(*domain));
   PetscCall(PetscFree((*domain)->adaptive_data));
   PetscCall(PetscFree((*domain)->cell_rank));
+  for (PetscInt f = 0; f < 2 * DIM; f++) PetscCall(PropertiesFree(&(*domain)->own[f / 2][f % 2]));
+  PetscCall(PetscFree((*domain)->property));
   PetscCall(PetscFree(*domain));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -43,6 +43,24 @@ typedef struct {
   PetscErrorCode (*destroy)(Domain domain); /* frees what its data hold */
 } Adaptive;
 
+/* Properties: options that a feature gives to what a scene has, by the owner's name: -<body>_temperature, or
+   -box_<face>_temperature. A feature brings a table of them, whose last has no rows. Whatever reads, compares, tells or
+   writes an owner walks all of its properties. */
+typedef enum { OWNER_SCENE, OWNER_FACE, OWNER_BODY, OWNER_SOLID, OWNER_HOLE } Owner;
+typedef struct {
+  Owner            owner;
+  size_t           size; /* of the data of one owner, bytes; zero before the defaults */
+  const OptionRow *rows; /* read into them */
+  void (*defaults)(void *data);
+  /* completes the data, and refuses (UserError) contradictions. prefix: of the owner's options. Collective. */
+  PetscErrorCode (*check)(Domain domain, const char prefix[], void *data);
+} Property;
+/* The properties of one owner. */
+typedef struct {
+  Owner owner;
+  char *data; /* NULL: not read */
+} Properties;
+
 struct _p_Domain {
   MPI_Comm  comm;
   PetscInt  dim;                    /* 2 or 3 */
@@ -51,12 +69,15 @@ struct _p_Domain {
   PetscReal volume;                 /* of a particle of spacing d0, d0^dim, m^dim; of rings the initial ring area */
   PetscBool graded;                 /* the spacing is graded */
   PetscReal spacing_coarse, growth; /* largest spacing, m, = spacing if not graded; its increase per distance, 1 */
-  const Adaptive *adaptive;         /* what adapts the spacing; NULL: nothing */
-  void           *adaptive_data;
-  PetscReal       lower[DIM];                 /* m */
-  PetscReal       upper[DIM];                 /* m */
-  FaceType        face[DIM][2];               /* lower and upper face of each direction */
-  PetscReal       wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
+  const Adaptive  *adaptive;        /* what adapts the spacing; NULL: nothing */
+  void            *adaptive_data;
+  PetscReal        lower[DIM];                 /* m */
+  PetscReal        upper[DIM];                 /* m */
+  FaceType         face[DIM][2];               /* lower and upper face of each direction */
+  PetscReal        wall_velocity[DIM][2][DIM]; /* of a wall face, m/s */
+  PetscInt         property_count;
+  const Property **property;    /* [property_count] of all owners, borrowed */
+  Properties       own[DIM][2]; /* of the faces */
   /* Partition: a grid of cells over the box, each owned by one rank. */
   PetscInt     cells[DIM];     /* number of cells a direction */
   PetscReal    cell_size[DIM]; /* m */
@@ -112,6 +133,29 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain);
    face type, a periodic face opposite another type, a velocity of a face that is no wall, a velocity that is not
    tangential, and with rings a box that does not begin at x = 0. Collective. */
 PetscErrorCode DomainSetFromOptions(Domain domain);
+/* DomainAddProperty - gives its kind of owner a property (borrowed), before any options are read. Not collective. */
+PetscErrorCode DomainAddProperty(Domain domain, const Property *property);
+/* PropertiesMake - makes the data of an owner, with the defaults. PropertiesRead - the same, and reads them in the
+   block of its options. PropertiesNote - notes the options of another kind of owner, see OptionsNote. Collective.
+   PropertiesFree - frees the data. PropertyOf - the data of a property of an owner (borrowed); NULL: it has none.
+   PropertiesWalk - property k of an owner and its data; NULL: there are only k. PropertiesSame - whether two owners
+   have the same properties. PropertiesIdentity, PropertiesJson - OptionsIdentity and OptionsValues of all. Not
+   collective. */
+PetscErrorCode  PropertiesMake(Domain domain, Owner owner, Properties *own);
+PetscErrorCode  PropertiesRead(Domain domain, OptionItems items, Owner owner, Properties *own);
+PetscErrorCode  PropertiesNote(Domain domain, const char prefix[], const char why[], Owner owner);
+PetscErrorCode  PropertiesFree(Properties *own);
+void           *PropertyOf(Domain domain, const Properties *own, const Property *property);
+const Property *PropertiesWalk(Domain domain, const Properties *own, PetscInt k, void **data);
+PetscBool       PropertiesSame(Domain domain, const Properties *one, const Properties *other);
+void            PropertiesIdentity(Domain domain, const Properties *own, const char prefix[], FILE *text);
+void            PropertiesJson(Domain domain, const Properties *own, Json *json);
+/* DomainReadFaces - reads the rows of a table for each face of the box, "-box_<face>_<row>", into structs of 'stride'
+   bytes, the first of the lower face of x, the second of the upper one; rows NULL: the properties of faces into structs
+   Properties. Collective. */
+PetscErrorCode DomainReadFaces(Domain domain, const OptionRow rows[], const char function[], size_t stride, void *data);
+/* DomainIdentity - writes the box as lines of SceneIdentity. Not collective. */
+void DomainIdentity(Domain domain, FILE *text);
 /* DomainSetUp - makes the cells of the partition. reach: the radius of support of the largest particles (m). A cell is
    at least as wide as the support of the finest particles unless the box is narrower. Each rank owns a contiguous block
    of cell indices until DomainPartition is called. Refuses (UserError) a box narrower than 'reach' between periodic or

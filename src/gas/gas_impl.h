@@ -204,6 +204,10 @@ static inline PetscBool GasSeen(const Gas *gas)
   return (PetscBool)(gas->now.count || !gas->open);
 }
 
+/* GasHolePressure - the pressure (Pa) that gas at x (m) has at the start by the option of a hole there, 0: none; the
+   largest of all holes without x. Not collective. */
+PetscReal GasHolePressure(Scene scene, const PetscReal x[]);
+
 static inline Gas *GasOf(Stepper stepper)
 {
   return (Gas *)StepEdgeData(stepper, GAS_EDGE);

@@ -384,7 +384,7 @@ static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
 
     if (cells->label[node] <= 0 || !NodeRange(cells, node, at, last)) continue;
     for (PetscInt d = 0; d < domain->dim; d++) x[d] = cells->lower[d] + (at[d] + 0.5) * cells->size[d];
-    own = SceneHolePressure(gas->cloud->scene, x);
+    own = GasHolePressure(gas->cloud->scene, x);
     PetscCheckUser(own == 0 || pressure[cells->label[node]] == 0 || own == pressure[cells->label[node]],
                    gas->cloud->comm, "holes of the pressures %g and %g Pa are one pocket of gas: they touch",
                    (double)own, (double)pressure[cells->label[node]]);

@@ -1,8 +1,7 @@
 /* Outlets: open faces of the box whose outside holds a level or a pressure. */
 #include "outlets_impl.h"
 
-#define NAME_LENGTH 32
-#define NO_LEVEL    (-1e300) /* m */
+#define NO_LEVEL (-PETSC_MAX_REAL) /* m; null in scene.json */
 
 static const NumberRow rows[] = {
   {"outlet_work", NUMBER_REAL, offsetof(OutletNumbers, work), ENERGY_GIVEN, "the pressure outside outlets"},
@@ -15,50 +14,54 @@ static const NumberRow rows[] = {
   {.name = NULL},
 };
 
-static PetscBool Any(const Outlets *outlets)
-{
-  PetscBool any = PETSC_FALSE;
+static const OptionRow of_faces[] = {
+  {"-level",
+   "Level that the outside of an open face holds, in the coordinate against gravity; below it the outside has the "
+   "hydrostatic pressure. Liquid leaves, none enters",
+   "m", "(-inf, inf)", ROW_REAL, offsetof(Outlet, level), .fallback = "none", .changes = PETSC_TRUE},
+  {"-pressure", "Pressure outside an open face, over that of the open air; with a level: above it, too", "Pa",
+   "(-inf, inf)", ROW_REAL, offsetof(Outlet, pressure), .changes = PETSC_TRUE},
+  {.name = NULL},
+};
 
-  for (PetscInt f = 0; f < 2 * DIM; f++) any = (PetscBool)(any || outlets->face[f / 2][f % 2].on);
-  return any;
+static void Defaults(void *data)
+{
+  ((Outlet *)data)->level = NO_LEVEL;
+}
+
+static PetscErrorCode Check(Domain domain, const char prefix[], void *data)
+{
+  Outlet *outlet = (Outlet *)data;
+
+  PetscFunctionBegin;
+  outlet->has_level = (PetscBool)(outlet->level > NO_LEVEL);
+  outlet->on        = (PetscBool)(outlet->has_level || outlet->pressure != 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const Property properties[] = {{OWNER_FACE, sizeof(Outlet), of_faces, Defaults, Check}, {.rows = NULL}};
+
+/* Whether a face is an outlet. */
+static PetscBool HasOutlets(Scene scene, Tension tension)
+{
+  for (PetscInt f = 0; scene && f < 2 * DIM; f++)
+    if (((const Outlet *)SceneFaceOwn(scene, f / 2, f % 2, properties))->on) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 static PetscBool On(Stepper stepper)
 {
-  return Any(OutletsOf(stepper));
+  return HasOutlets(StepperCloud(stepper)->scene, NULL);
 }
 
 static PetscErrorCode Create(Stepper stepper)
 {
-  PetscFunctionBegin;
-  OutletsOf(stepper)->cloud = StepperCloud(stepper);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads the options of a face. */
-static PetscErrorCode ReadFace(const Domain domain, OptionItems PetscOptionsObject, PetscInt d, PetscInt side,
-                               Outlet *outlet)
-{
-  char            name[2][NAME_LENGTH];
-  const OptionRow options[] = {
-    {name[0],
-     "Level that the outside of an open face holds, in the coordinate against gravity; below it the outside "
-     "has the hydrostatic pressure. Liquid leaves, none enters",
-     "m", "(-inf, inf)", ROW_REAL, offsetof(Outlet, level), .fallback = "none"},
-    {name[1], "Pressure outside an open face, over that of the open air; with a level: above it, too", "Pa",
-     "(-inf, inf)", ROW_REAL, offsetof(Outlet, pressure)},
-    {.name = NULL}};
+  Outlets *outlets = OutletsOf(stepper);
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name[0], NAME_LENGTH, "-box_%s_level", FaceNames[d][side]));
-  PetscCall(PetscSNPrintf(name[1], NAME_LENGTH, "-box_%s_pressure", FaceNames[d][side]));
-  outlet->level = NO_LEVEL;
-  PetscCall(OptionsRead(PetscOptionsObject, options, __func__, outlet));
-  outlet->has_level = (PetscBool)(outlet->level > NO_LEVEL);
-  outlet->on        = (PetscBool)(outlet->has_level || outlet->pressure != 0);
-  PetscCheckUser(!outlet->on || domain->face[d][side] == FACE_OPEN, domain->comm,
-                 "%s: the face is %s; only an open one has an outside", name[outlet->has_level ? 0 : 1],
-                 FaceTypes[domain->face[d][side]]);
+  outlets->cloud = StepperCloud(stepper);
+  for (PetscInt f = 0; f < 2 * DIM; f++)
+    outlets->face[f / 2][f % 2] = (const Outlet *)SceneFaceOwn(outlets->cloud->scene, f / 2, f % 2, properties);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,7 +85,7 @@ static PetscReal FindSpeed(const Outlets *outlets)
   PetscReal    most   = 0;
 
   for (PetscInt f = 0; f < 2 * DIM; f++) {
-    const Outlet *outlet = &outlets->face[f / 2][f % 2];
+    const Outlet *outlet = outlets->face[f / 2][f % 2];
     PetscReal     head   = outlet->level * Norm(outlets->gravity);
 
     for (PetscInt d = 0; d < domain->dim; d++)
@@ -99,18 +102,18 @@ static PetscErrorCode Options(Stepper stepper)
   const Domain domain  = outlets->cloud->domain;
 
   PetscFunctionBegin;
-  PetscOptionsBegin(domain->comm, NULL, "Outlets", "Outlets");
-  for (PetscInt d = 0; d < domain->dim; d++)
-    for (PetscInt side = DomainIsRadial(domain, d) ? 1 : 0; side < 2; side++)
-      PetscCall(ReadFace(domain, PetscOptionsObject, d, side, &outlets->face[d][side]));
-  PetscOptionsEnd();
-  if (!Any(outlets)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt f = 0; f < 2 * DIM; f++)
+    PetscCheckUser(!outlets->face[f / 2][f % 2]->on || domain->face[f / 2][f % 2] == FACE_OPEN, domain->comm,
+                   "-box_%s_%s: the face is %s; only an open one has an outside", FaceNames[f / 2][f % 2],
+                   outlets->face[f / 2][f % 2]->has_level ? "level" : "pressure",
+                   FaceTypes[domain->face[f / 2][f % 2]]);
+  if (!On(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
   OutletsSetUp(outlets);
   FindGravity(outlets->cloud->scene, outlets->gravity);
   outlets->density = BodyMaterial(SceneBody(outlets->cloud->scene, 0))->density;
   outlets->speed   = FindSpeed(outlets);
   for (PetscInt f = 0; f < 2 * DIM; f++)
-    PetscCheckUser(!outlets->face[f / 2][f % 2].has_level || Norm(outlets->gravity) > 0, domain->comm,
+    PetscCheckUser(!outlets->face[f / 2][f % 2]->has_level || Norm(outlets->gravity) > 0, domain->comm,
                    "-box_%s_level needs -gravity: without it there is no level; -box_%s_pressure is a pressure",
                    FaceNames[f / 2][f % 2], FaceNames[f / 2][f % 2]);
   PetscCall(PressureAddLowRank(StepperPressure(stepper), &OutletTerm, outlets));
@@ -120,14 +123,6 @@ static PetscErrorCode Options(Stepper stepper)
 static PetscReal Speed(Stepper stepper)
 {
   return OutletsOf(stepper)->speed;
-}
-
-static PetscBool Alike(Stepper stepper, PetscInt d, PetscInt side, PetscInt e, PetscInt other)
-{
-  const Outlet *a = &OutletsOf(stepper)->face[d][side], *b = &OutletsOf(stepper)->face[e][other];
-
-  return (PetscBool)(a->on == b->on && a->has_level == b->has_level && a->level == b->level &&
-                     a->pressure == b->pressure);
 }
 
 static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
@@ -159,7 +154,7 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
     const PetscInt   f = DomainExit(cloud->domain, x);
 
-    if (f < 0 || !outlets->face[f / 2][f % 2].on) continue;
+    if (f < 0 || !outlets->face[f / 2][f % 2]->on) continue;
     outlets->now.left[f] += cloud->volume[a];
     outlets->now.work -= cloud->volume[a] * OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
   }
@@ -189,41 +184,7 @@ static PetscErrorCode Renew(Stepper stepper, PetscBool resumed, StepState *state
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every face, so that the file has the same keys for every scene. */
-static void WriteJson(Stepper stepper, Json *json)
-{
-  const Outlets *outlets = OutletsOf(stepper);
-
-  JsonArray(json, "outlets");
-  for (PetscInt f = 0; f < 2 * DIM; f++) {
-    const Outlet *outlet = &outlets->face[f / 2][f % 2];
-
-    if (!outlet->on) continue;
-    JsonObject(json, NULL);
-    JsonText(json, "face", FaceNames[f / 2][f % 2]);
-    JsonReal(json, "level", outlet->has_level ? outlet->level : NAN);
-    JsonReal(json, "pressure", outlet->pressure);
-    JsonEnd(json);
-  }
-  JsonEnd(json);
-}
-
 #define OUTLET "-box_<face>_level or -box_<face>_pressure"
-
-/* As their options say, once they have been read. */
-static PetscBool HasOutlets(Scene scene, Tension tension)
-{
-  char              name[NAME_LENGTH];
-  const OptionNote *note;
-  PetscBool         any = PETSC_FALSE;
-
-  for (PetscInt f = 0; f < 4 * DIM; f++) {
-    (void)PetscSNPrintf(name, sizeof(name), "-box_%s_%s", FaceNames[f / 4][f / 2 % 2], f % 2 ? "level" : "pressure");
-    note = OptionFind(name);
-    any  = (PetscBool)(any || (note && note->given && strcmp(note->value, note->standard)));
-  }
-  return any;
-}
 
 static const Feature features[] = {{OUTLET, HasOutlets}, {.name = NULL}};
 static const Refusal refusals[] = {{OUTLET, NEEDS, FEATURE_CONSISTENT, ", the default"},
@@ -235,6 +196,7 @@ static const Refusal refusals[] = {{OUTLET, NEEDS, FEATURE_CONSISTENT, ", the de
                                    {.one = NULL}};
 
 const Edge OutletEdge = {.name        = OUTLETS,
+                         .properties  = properties,
                          .features    = features,
                          .refusals    = refusals,
                          .gauge       = &GaugeOutlets,
@@ -243,7 +205,6 @@ const Edge OutletEdge = {.name        = OUTLETS,
                          .numbers     = rows,
                          .create      = Create,
                          .on          = On,
-                         .alike       = Alike,
                          .drives      = On,
                          .speed       = Speed,
                          .options     = Options,
@@ -251,5 +212,4 @@ const Edge OutletEdge = {.name        = OUTLETS,
                          .kick        = Kick,
                          .guard       = Guard,
                          .commit      = Commit,
-                         .json        = WriteJson,
                          .renew       = Renew};

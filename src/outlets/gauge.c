@@ -15,7 +15,7 @@ static PetscErrorCode Columns_Outlets(Gauges gauges, const void *data, ColumnLis
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < 2 * DIM && outlets; f++) {
-    if (!outlets->face[f / 2][f % 2].on) continue;
+    if (!outlets->face[f / 2][f % 2]->on) continue;
     PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM}, "outflow_%s", FaceNames[f / 2][f % 2]));
     PetscCall(
       ColumnAdd(list, (Column){.unit = "m3/s", .counts = COUNTS_SUM}, "outflow_rate_%s", FaceNames[f / 2][f % 2]));
@@ -39,7 +39,7 @@ static PetscErrorCode Measure_Outlets(Gauges gauges, const void *data, PetscReal
     const PetscInt d    = f / 2;
     PetscReal      rate = 0;
 
-    if (!outlets->face[d][f % 2].on) continue;
+    if (!outlets->face[d][f % 2]->on) continue;
     for (PetscInt a = 0; a < arrays.n; a++) {
       const PetscReal x = arrays.real[FIELD_POSITION][DIM * a + d], v = arrays.real[FIELD_VELOCITY][DIM * a + d];
 

@@ -48,7 +48,7 @@ static PetscReal Depth(const Outlets *outlets, PetscInt a, PetscReal normal)
 PetscReal OutletOutside(const Outlets *outlets, PetscInt d, PetscInt side, const PetscReal x[DIM], PetscReal gap,
                         PetscReal slope[DIM])
 {
-  const Outlet   *outlet = &outlets->face[d][side];
+  const Outlet   *outlet = outlets->face[d][side];
   const Domain    domain = outlets->cloud->domain;
   const PetscReal g      = Norm(outlets->gravity);
   PetscReal       foot[DIM], head, P;
@@ -76,7 +76,7 @@ PetscReal OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DI
     const PetscReal away = side ? domain->upper[d] - x[d] : x[d] - domain->lower[d], share = n[d] * n[d] / n2;
     PetscReal       gap, part[DIM];
 
-    if (!outlets->face[d][side].on || away > reach || (side ? -n[d] : n[d]) <= 0) continue;
+    if (!outlets->face[d][side]->on || away > reach || (side ? -n[d] : n[d]) <= 0) continue;
     gap = PetscMax(-HELD * s, PetscMin(HELD * s, away - Depth(outlets, a, PetscSqrtReal(n2))));
     looks += share;
     P += share * OutletOutside(outlets, d, side, x, gap, part);

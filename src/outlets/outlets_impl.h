@@ -8,7 +8,7 @@
 #define OUTLETS       "outlets" /* the name of the edge */
 #define OUTLETS_TABLE 64        /* intervals of the table of depths */
 
-/* The outside of an open face. */
+/* The outside of an open face, a property of the face. */
 typedef struct {
   PetscBool on, has_level;
   PetscReal level, pressure; /* m, against gravity; Pa, over that of the open air */
@@ -24,7 +24,7 @@ typedef struct {
 typedef struct {
   Cloud         cloud; /* borrowed */
   PetscBool     frozen;
-  Outlet        face[DIM][2];
+  const Outlet *face[DIM][2];             /* borrowed */
   PetscReal     gravity[DIM], density;    /* m/s2, kg/m3 */
   PetscReal     speed;                    /* m/s, that the largest pressure outside can give */
   OutletNumbers now;                      /* of this rank in the step */

@@ -72,13 +72,8 @@ static PetscReal JoinedShare(Cloud cloud, const Change *change, PetscInt a, Pets
 /* Whether the bodies k and l are the same liquid. */
 static PetscBool SameLiquid(Scene scene, PetscInt k, PetscInt l)
 {
-  const Material *m, *n;
-
-  if (k == l) return PETSC_TRUE;
-  m = BodyMaterial(SceneBody(scene, k));
-  n = BodyMaterial(SceneBody(scene, l));
-  return (PetscBool)(m->density == n->density && m->viscosity == n->viscosity && m->tension == n->tension &&
-                     SceneLiquid(scene, k) == SceneLiquid(scene, l) && !SceneViscosityVaries(scene));
+  return (PetscBool)(k == l || (SceneLiquid(scene, k) == SceneLiquid(scene, l) &&
+                                BodiesAlike(SceneBody(scene, k), SceneBody(scene, l))));
 }
 
 /* Whether a and b may join by their shares: their liquids may mix, they are close, and they make no particle that is

@@ -106,10 +106,10 @@ struct _p_Body {
   void               *viscosity_data; /* as shape_data */
   PetscReal           uniform[DIM];   /* uniform part of the velocity, m/s */
   Material            material;
+  Properties          own; /* what features give it */
   char                type[SCENE_NAME_LENGTH];
   const BodyTypeOps  *kind;                /* NULL of a solid */
   void               *type_data;           /* as shape_data */
-  PetscReal           gas_pressure;        /* of a hole, Pa, at the start; 0: not given */
   void               *wetting;             /* of a solid, as shape_data */
   PetscReal           middle[DIM], extent; /* of a solid: a ball (m) that holds it where it is now */
   struct _p_Motion   *motion;              /* of a solid that can move; else NULL */

@@ -20,13 +20,6 @@ static const OptionRow holed[] = {
   {.name = NULL},
 };
 
-/* Of a hole. */
-static const OptionRow aired[] = {
-  {"-pressure", "Pressure at the start of the gas in a hole, with -gas; 0: -gas_pressure_start", "Pa", "[0, inf)",
-   ROW_REAL, offsetof(struct _p_Body, gas_pressure)},
-  {.name = NULL},
-};
-
 static PetscErrorCode ReadHoles(Body body, Holes *holes)
 {
   PetscFunctionBegin;
@@ -60,7 +53,7 @@ static const OptionRow material[] = {
   {"-viscosity",
    "Dynamic viscosity; with -viscosity_model carreau the viscosity at rest, with power_law and herschel_bulkley the "
    "consistency, Pa s^n",
-   "Pa s", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity)},
+   "Pa s", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity), .changes = PETSC_TRUE},
   {"-tension", "Surface tension", "N/m", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.tension)},
   {.name = NULL},
 };
@@ -71,7 +64,7 @@ static const OptionRow fluid[] = {
   {.name = NULL},
 };
 
-static const OptionRow moving[] = {
+const OptionRow BodyStart[] = {
   {"-velocity", "Uniform part of the initial velocity", "m/s", NULL, ROW_DIRECTION, offsetof(struct _p_Body, uniform)},
   {"-velocity_type", "Initial velocity field, added to the uniform part", NULL, NULL, ROW_CHOICE,
    offsetof(struct _p_Body, velocity_type), .choices = Velocities},
@@ -136,7 +129,7 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const OptionRow *const of_bodies[] = {material, fluid, moving, typed};
+static const OptionRow *const of_bodies[] = {material, fluid, BodyStart, typed};
 
 PetscErrorCode BodySetFromOptions(Body body)
 {
@@ -153,9 +146,10 @@ PetscErrorCode BodySetFromOptions(Body body)
   PetscCall(Read(body, PetscOptionsObject, fluid, body));
   PetscCall(ReadChosen(body, PetscOptionsObject, fluid, &body->viscosity_data, &choice));
   body->viscosity = (const ViscosityOps *)choice;
-  PetscCall(Read(body, PetscOptionsObject, moving, body));
-  PetscCall(ReadChosen(body, PetscOptionsObject, &moving[1], &body->velocity_data, &choice));
+  PetscCall(Read(body, PetscOptionsObject, BodyStart, body));
+  PetscCall(ReadChosen(body, PetscOptionsObject, &BodyStart[1], &body->velocity_data, &choice));
   body->velocity = (const VelocityOps *)choice;
+  PetscCall(PropertiesRead(body->domain, PetscOptionsObject, OWNER_BODY, &body->own));
   PetscCall(Read(body, PetscOptionsObject, typed, body)); /* last: a type may look at shape and velocity */
   PetscCall(ReadChosen(body, PetscOptionsObject, typed, &body->type_data, &choice));
   body->kind = (const BodyTypeOps *)choice;
@@ -163,6 +157,7 @@ PetscErrorCode BodySetFromOptions(Body body)
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
     PetscCall(OptionsNote(body->prefix, "a solid", SolidMotion.rows[k]));
   PetscCall(OptionsNote(body->prefix, "a solid", SolidWetting.rows));
+  PetscCall(PropertiesNote(body->domain, body->prefix, "a solid", OWNER_SOLID));
   PetscCall(ReadHoles(body, &holes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -195,7 +190,9 @@ PetscErrorCode SolidSetFromOptions(Body body)
   PetscCall(SolidMotion.setup(body));
   BodyFindBall(body);
   PetscCall(ReadWetting(body, PetscOptionsObject));
+  PetscCall(PropertiesRead(body->domain, PetscOptionsObject, OWNER_SOLID, &body->own));
   PetscOptionsEnd();
+  PetscCall(PropertiesNote(body->domain, body->prefix, "a body of liquid", OWNER_BODY));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(of_bodies); k++)
     PetscCall(OptionsNote(body->prefix, "a body of liquid", of_bodies[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -209,41 +206,63 @@ PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole)
   PetscCall(PetscSNPrintf(title, sizeof(title), "Region %s", body->name));
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject));
-  if (hole) PetscCall(Read(body, PetscOptionsObject, aired, body));
+  if (hole) PetscCall(PropertiesRead(body->domain, PetscOptionsObject, OWNER_HOLE, &body->own));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SceneHelp(MPI_Comm comm)
+const OptionRow *BodyMatter(Body body, PetscInt k, const void **data)
 {
-  Domain        domain;
-  Body          body;
-  Holes         holes = {0};
-  const Choice *choice;
+  static const OptionRow none[] = {{.name = NULL}};
+  const PetscBool        liquid = (PetscBool)(body->own.owner == OWNER_BODY),
+                  solid         = (PetscBool)(body->own.owner == OWNER_SOLID);
+  const Property *property;
+  void           *own;
+
+  *data = body;
+  if (liquid && k < 2) return k == 0 ? material : fluid;
+  *data = liquid ? body->viscosity_data : body->wetting;
+  if (liquid && k == 2) return body->viscosity->choice.options ? body->viscosity->choice.options : none;
+  if (solid && k == 0) return SolidWetting.rows;
+  property = PropertiesWalk(body->domain, &body->own, k - (liquid ? 3 : solid ? 1 : 0), &own);
+  *data    = own;
+  return property ? property->rows : NULL;
+}
+
+PetscErrorCode SceneHelp(Domain of)
+{
+  const MPI_Comm comm = of->comm;
+  Domain         domain;
+  Body           body;
+  Holes          holes = {0};
+  const Choice  *choice;
 
   PetscFunctionBegin;
   PetscCall(DomainCreate(comm, &domain));
+  for (PetscInt k = 0; k < of->property_count; k++) PetscCall(DomainAddProperty(domain, of->property[k]));
   PetscCall(BodyCreate(domain, "<body>", 0, &body)); /* no name of a scene's body has these signs */
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(Read(body, PetscOptionsObject, shaped, body));
   PetscCall(Read(body, PetscOptionsObject, holed, &holes));
   PetscCall(Read(body, PetscOptionsObject, material, body));
   PetscCall(Read(body, PetscOptionsObject, fluid, body));
-  PetscCall(Read(body, PetscOptionsObject, moving, body));
+  PetscCall(Read(body, PetscOptionsObject, BodyStart, body));
+  PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_BODY, &body->own));
   PetscCall(Read(body, PetscOptionsObject, typed, body));
   PetscOptionsEnd();
   PetscCall(ReadChosen(body, NULL, shaped, &body->shape_data, &choice));
   PetscCall(ReadChosen(body, NULL, fluid, &body->viscosity_data, &choice));
-  PetscCall(ReadChosen(body, NULL, &moving[1], &body->velocity_data, &choice));
+  PetscCall(ReadChosen(body, NULL, &BodyStart[1], &body->velocity_data, &choice));
   PetscCall(ReadChosen(body, NULL, typed, &body->type_data, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");
   PetscCall(SolidMotion.read(body, PetscOptionsObject));
   PetscOptionsEnd();
   PetscOptionsBegin(comm, body->prefix, "Hole, any", "Scene");
-  PetscCall(Read(body, PetscOptionsObject, aired, body));
+  PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_HOLE, &body->own));
   PetscOptionsEnd();
   PetscOptionsBegin(comm, body->prefix, "Solid, any", "Scene");
   PetscCall(ReadWetting(body, PetscOptionsObject));
+  PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_SOLID, &body->own));
   PetscOptionsEnd();
   PetscCall(BodyDestroy(&body));
   PetscCall(DomainDestroy(&domain));

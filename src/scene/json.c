@@ -3,40 +3,18 @@
 
 #define MOMENTS_MOST 64
 
-static void WriteRows(Json *json, Body body, const OptionRow rows[], const void *data)
-{
-  for (const OptionRow *row = rows; row && row->name; row++) {
-    const char          *key     = row->name + 1;
-    const void          *value   = (const char *)data + row->offset;
-    const OptionNumbers *numbers = (const OptionNumbers *)value;
-
-    if (row->kind == ROW_REAL)
-      JsonReal(json, key, *(const PetscReal *)value);
-    else if (row->kind == ROW_INT)
-      JsonInt(json, key, *(const PetscInt *)value);
-    else if (row->kind == ROW_BOOL)
-      JsonBool(json, key, *(const PetscBool *)value);
-    else if (row->kind == ROW_FILE)
-      JsonText(json, key, ((const OptionFile *)value)->path);
-    else if (row->kind == ROW_NUMBERS)
-      JsonReals(json, key, numbers->count, numbers->value);
-    else
-      JsonReals(json, key, body->domain->dim, (const PetscReal *)value);
-  }
-}
-
 /* A type and its numbers as an object. */
 static void WriteChoice(Json *json, const char key[], Body body, const Choice *choice, const void *data)
 {
   JsonObject(json, key);
   JsonText(json, "type", choice->name);
   JsonObject(json, "numbers");
-  WriteRows(json, body, choice->options, data);
+  OptionsValues(json, choice->options, data, body->domain->dim);
   JsonEnd(json);
   JsonEnd(json);
 }
 
-/* What every shape has: name, shape, bounds. */
+/* What every shape has: name, shape, bounds, what features give it. */
 static void WriteShape(Json *json, Body body)
 {
   const PetscInt dim = body->domain->dim;
@@ -47,6 +25,7 @@ static void WriteShape(Json *json, Body body)
   WriteChoice(json, "shape", body, &body->shape->choice, body->shape_data);
   JsonReals(json, "lower", dim, lower);
   JsonReals(json, "upper", dim, upper);
+  PropertiesJson(body->domain, &body->own, json);
 }
 
 static void WriteShapes(Json *json, const char key[], PetscInt n, const Body body[])
@@ -81,14 +60,15 @@ static void WriteNumbers(Json *json, Scene scene, PetscInt b)
 
 static void WriteBody(Json *json, Scene scene, PetscInt b)
 {
-  const Body body = scene->body[b];
+  const Body       body = scene->body[b];
+  const OptionRow *rows;
+  const void      *data;
 
   JsonObject(json, NULL);
   WriteShape(json, body);
   WriteShapes(json, "holes", body->holes, body->hole);
-  JsonReal(json, "density", body->material.density);
-  JsonReal(json, "tension", body->material.tension);
-  JsonReal(json, "viscosity", body->material.viscosity);
+  rows = BodyMatter(body, 0, &data);
+  OptionsValues(json, rows, data, body->domain->dim);
   WriteChoice(json, "viscosity_model", body, &body->viscosity->choice, body->viscosity_data);
   JsonInt(json, "liquid", scene->liquid[b]);
   JsonReals(json, "velocity", scene->domain->dim, body->uniform);
@@ -96,7 +76,7 @@ static void WriteBody(Json *json, Scene scene, PetscInt b)
   for (const Choice *const *type = BodyTypes; *type; type++) {
     if (!(*type)->options) continue;
     JsonObject(json, (*type)->name);
-    if (*type == &body->kind->choice) WriteRows(json, body, (*type)->options, body->type_data);
+    if (*type == &body->kind->choice) OptionsValues(json, (*type)->options, body->type_data, body->domain->dim);
     JsonEnd(json);
   }
   WriteNumbers(json, scene, b);
@@ -114,7 +94,7 @@ static void WriteSolid(Json *json, Body body, PetscReal start, PetscReal end)
   SolidMotion.json(body, json);
   JsonObject(json, "motion");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(SolidMotion.rows); k++)
-    if (MotionData(body, k)) WriteRows(json, body, SolidMotion.rows[k], MotionData(body, k));
+    if (MotionData(body, k)) OptionsValues(json, SolidMotion.rows[k], MotionData(body, k), body->domain->dim);
   JsonEnd(json);
   JsonReals(json, "moments", moments, moment);
   JsonEnd(json);
@@ -137,6 +117,7 @@ static void WriteForces(Json *json, Scene scene)
 
 void SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json)
 {
+  PropertiesJson(scene->domain, &scene->own, json);
   WriteForces(json, scene);
   JsonArray(json, "bodies");
   for (PetscInt b = 0; b < scene->count; b++) WriteBody(json, scene, b);

@@ -23,6 +23,8 @@ PetscErrorCode SceneDestroy(Scene *scene)
   for (PetscInt b = 0; b < (*scene)->count; b++) PetscCall(BodyDestroy(&(*scene)->body[b]));
   for (PetscInt b = 0; b < (*scene)->solids; b++) PetscCall(BodyDestroy(&(*scene)->solid[b]));
   for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
+  PetscCall(BodyDestroy(&(*scene)->air));
+  PetscCall(PropertiesFree(&(*scene)->own));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -63,17 +65,34 @@ static const OptionRow options[] = {
   {.name = NULL},
 };
 
-PetscReal SceneHolePressure(Scene scene, const PetscReal x[])
+Body SceneHole(Scene scene, PetscInt k)
 {
-  PetscReal pressure = 0;
-
   for (PetscInt b = 0; b < scene->count + scene->solids; b++) {
     const Body body = b < scene->count ? scene->body[b] : scene->solid[b - scene->count];
 
-    for (PetscInt k = 0; k < body->holes; k++)
-      if (!x || ShapeDistance(body->hole[k], x) < 0) pressure = PetscMax(pressure, body->hole[k]->gas_pressure);
+    if (k < body->holes) return body->hole[k];
+    k -= body->holes;
   }
-  return pressure;
+  return NULL;
+}
+
+Body SceneHoleAt(Scene scene, const PetscReal x[DIM])
+{
+  Body hole;
+
+  for (PetscInt k = 0; (hole = SceneHole(scene, k)); k++)
+    if (ShapeDistance(hole, x) < 0) return hole;
+  return scene->air;
+}
+
+void *SceneOwn(Scene scene, const Property *property)
+{
+  return PropertyOf(scene->domain, &scene->own, property);
+}
+
+void *SceneFaceOwn(Scene scene, PetscInt d, PetscInt side, const Property *property)
+{
+  return PropertyOf(scene->domain, &scene->domain->own[d][side], property);
 }
 
 /* Reads the body forces and the names. */
@@ -83,7 +102,10 @@ static PetscErrorCode ReadScene(Scene scene, SceneWords *names)
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(OptionsRead(PetscOptionsObject, words, "SceneSetFromOptions", names));
   PetscCall(DomainReadOptions(scene->domain, PetscOptionsObject, options, "SceneSetFromOptions", scene));
+  PetscCall(PropertiesRead(scene->domain, PetscOptionsObject, OWNER_SCENE, &scene->own));
   PetscOptionsEnd();
+  PetscCall(BodyCreate(scene->domain, "air", 0, &scene->air));
+  PetscCall(PropertiesMake(scene->domain, OWNER_HOLE, &scene->air->own));
   PetscCheckUser(scene->angular_frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
                  "-gravity_amplitude needs -gravity_frequency, in Hz");
   scene->angular_frequency *= 2 * PETSC_PI;

@@ -76,9 +76,9 @@ PetscErrorCode SceneCreate(Domain domain, Scene *scene);
    outside the box, and bodies that overlap at a point of a lattice of the particle spacing. Collective. */
 PetscErrorCode SceneSetFromOptions(Scene scene);
 /* SceneHelp - reads every option of a body, with <body> for its name, for -help and the notes: one block for the
-   options of all bodies, then one for each shape, viscosity model, initial velocity field and type of body. Needs no
-   scene. Collective. */
-PetscErrorCode SceneHelp(MPI_Comm comm);
+   options of all bodies, then one for each shape, viscosity model, initial velocity field and type of body; the
+   properties are those of the domain. Collective. */
+PetscErrorCode SceneHelp(Domain domain);
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer);
 /* SceneIdentity - writes the box, the bodies and the solids as lines "-<option> = <value>", with the numbers as they
    were read and with checksums of files: scenes that differ in a line are different scenes. Not collective. */
@@ -94,6 +94,13 @@ PetscInt        SceneCount(Scene scene);                /* number of bodies */
 Body            SceneBody(Scene scene, PetscInt index); /* 0 <= index < SceneCount */
 const char     *BodyName(Body body);
 const Material *BodyMaterial(Body body);
+/* BodyOwn - the data (borrowed) of a property of a body, solid or hole; NULL: it has none. SceneOwn - of the scene.
+   SceneFaceOwn - of a face of the box. BodiesAlike - whether two bodies, two solids or two holes are made of the same:
+   all rows of their material, of their viscosity or wetting, and of what features give them. */
+void     *BodyOwn(Body body, const Property *property);
+void     *SceneOwn(Scene scene, const Property *property);
+void     *SceneFaceOwn(Scene scene, PetscInt d, PetscInt side, const Property *property);
+PetscBool BodiesAlike(Body one, Body other);
 /* BodyViscosity - mu (Pa s) at a shear rate sqrt(2 D:D) (1/s). BodyViscosityVaries - whether mu depends on the shear
    rate. SceneViscosityVaries - whether any body's does. */
 PetscReal BodyViscosity(Body body, PetscReal rate);
@@ -140,9 +147,10 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM]);
 PetscReal BodyNearest(Body body, const PetscReal x[DIM], PetscReal y[DIM]);
 /* BodyContains - whether x (m) is inside the shape and the box. */
 PetscBool BodyContains(Body body, const PetscReal x[DIM]);
-/* SceneHolePressure - the pressure (Pa) that gas at x (m) has at the start by the option of a hole there, 0: none; the
-   largest of all holes without x. */
-PetscReal SceneHolePressure(Scene scene, const PetscReal x[]);
+/* SceneHole - hole k of all bodies and solids; NULL: there are only k. SceneHoleAt - the first one at x (m); where none
+   is, one of no body, with the defaults of a hole's properties: the open air. */
+Body SceneHole(Scene scene, PetscInt k);
+Body SceneHoleAt(Scene scene, const PetscReal x[DIM]);
 /* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
 /* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m). SceneBodyScales - its

@@ -18,6 +18,8 @@ struct _p_Scene {
   Body          solid[SCENE_MAX_BODIES];
   PetscInt      fine_regions;
   Body          fine[SCENE_MAX_BODIES];             /* regions of -fine; they have a shape only */
+  Properties    own;                                /* of the scene as a whole */
+  Body          air;                                /* a hole of no body, with the defaults of its properties */
   PetscBool     overlap;                            /* see SceneBodiesOverlap */
   PetscReal     interface_tension;                  /* N/m; 0: the liquids mix */
   PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
@@ -40,6 +42,11 @@ extern const BodyTypeOps   BodyTypeEmitter;
 extern const MotionOps     SolidMotion;
 extern const WettingOps    SolidWetting;
 extern const Choice *const Shapes[], *const Velocities[], *const Viscosities[], *const BodyTypes[];
+
+/* BodyMatter - table k of the options that say what a body, solid or hole is made of, and the struct with their values;
+   NULL: there are only k. BodyStart - the rows of a body's velocity at the start, in the body. Not collective. */
+const OptionRow       *BodyMatter(Body body, PetscInt k, const void **data);
+extern const OptionRow BodyStart[];
 
 /* MotionData - the data of table k of the options of motions; NULL: the solid has none. Not collective. */
 static inline void *MotionData(Body solid, size_t k)

@@ -17,13 +17,12 @@
    replace them. */
 static PetscBool Continues(Body one, Body body, PetscReal lower[DIM], PetscReal upper[DIM])
 {
-  const Material *m = &body->material, *own = &one->material;
   const PetscReal near = CUT * body->domain->spacing;
   PetscReal       low[DIM], high[DIM];
   PetscInt        apart = 0, along = 0;
 
   if (body == one || strcmp(body->shape_type, "box") || BodyComesLater(body)) return PETSC_FALSE;
-  if (m->density != own->density || m->viscosity != own->viscosity || m->tension != own->tension) return PETSC_FALSE;
+  if (!BodiesAlike(one, body)) return PETSC_FALSE;
   BodyBounds(body, low, high);
   for (PetscInt d = 0; d < DIM; d++) {
     if (PetscAbsReal(low[d] - lower[d]) <= near && PetscAbsReal(high[d] - upper[d]) <= near) continue;

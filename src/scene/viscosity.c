@@ -23,12 +23,12 @@ typedef struct {
   {                                                                                                                    \
     "-viscosity_exponent",                                                                                             \
       "Exponent n of the shear rate in the stress: below 1 shear thinning, above 1 shear thickening", "1", "(0, 2]",   \
-      ROW_REAL, offsetof(Law, exponent), .fallback = "1 for herschel_bulkley, else required"                           \
+      ROW_REAL, offsetof(Law, exponent), .fallback = "1 for herschel_bulkley, else required", .changes = PETSC_TRUE    \
   }
 #define MAX                                                                                                            \
   {                                                                                                                    \
     "-viscosity_max", "Largest viscosity", "Pa s", "(0, inf)", ROW_REAL, offsetof(Law, max),                           \
-      .fallback = "1000 times the viscosity at a shear rate of 1/s"                                                    \
+      .fallback = "1000 times the viscosity at a shear rate of 1/s", .changes = PETSC_TRUE                             \
   }
 
 static const OptionRow power_law[] = {EXPONENT, MAX, {.name = NULL}};
@@ -36,14 +36,15 @@ static const OptionRow power_law[] = {EXPONENT, MAX, {.name = NULL}};
 static const OptionRow carreau[] = {
   EXPONENT,
   {"-viscosity_time", "Time constant t: the viscosity changes at shear rates above 1/t", "s", "(0, inf)", ROW_REAL,
-   offsetof(Law, time), .fallback = OPTION_REQUIRED},
-  {"-viscosity_infinite", "Viscosity at infinite shear rate", "Pa s", "[0, inf)", ROW_REAL, offsetof(Law, infinite)},
+   offsetof(Law, time), .fallback = OPTION_REQUIRED, .changes = PETSC_TRUE},
+  {"-viscosity_infinite", "Viscosity at infinite shear rate", "Pa s", "[0, inf)", ROW_REAL, offsetof(Law, infinite),
+   .changes = PETSC_TRUE},
   {.name = NULL},
 };
 
 static const OptionRow herschel_bulkley[] = {
   {"-yield_stress", "Yield stress, below which the liquid only creeps", "Pa", "(0, inf)", ROW_REAL,
-   offsetof(Law, yield_stress), .fallback = OPTION_REQUIRED},
+   offsetof(Law, yield_stress), .fallback = OPTION_REQUIRED, .changes = PETSC_TRUE},
   EXPONENT,
   MAX,
   {.name = NULL},

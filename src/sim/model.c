@@ -5,8 +5,8 @@
    distances, which no period has. So the symmetries hold for any shape, motion and force. A place where a surface is
    nearer than a tenth of a spacing says nothing: the particles cannot tell either. */
 #include "../bodies/bodies.h"
+#include "../scene/body.h"
 #include "sim_impl.h"
-#include <string.h>
 
 #define POINTS       3000 /* in the bounds of each body, and in the box */
 #define SETS         8    /* with more bodies there are fewer points of each, down to POINTS_LEAST */
@@ -22,17 +22,14 @@
 #define TURNS        3
 #define SHIFTS       2
 #define SMALL        0.01 /* share that counts as nothing */
-#define RATES        3
+#define FAST         1e3  /* 1/s, a shear rate at which liquid is thin */
 
-/* What is at a place: of the liquid or the solid there. Equal structs are equal places. */
+/* What is at a place. */
 typedef struct {
-  PetscReal kind; /* 0: air, 1: liquid, 2: solid */
-  PetscReal density, tension, viscosity[RATES], angle[2], spacing, liquid;
-  PetscReal emits; /* 0: no emitter; else 1 and the fillings so far */
-} Matter;
-typedef struct {
-  Matter    matter;
-  PetscReal velocity[DIM], force[DIM];
+  Body      body; /* of liquid; a solid; a hole or the open air */
+  PetscInt  liquid;
+  PetscInt  emits; /* 0: no emitter; else 1 and the fillings so far */
+  PetscReal spacing, velocity[DIM], force[DIM];
   PetscBool near; /* a surface is */
 } Place;
 
@@ -49,8 +46,6 @@ typedef struct {
   PetscBool folded[DIM];          /* the lower face is that mirror */
   PetscReal speed, force;         /* the largest, m/s, m/s2 */
 } Model;
-
-static const PetscReal rates[RATES] = {0, 1, 1e3};
 
 /* What is at x, which a mirror through the middle of the whole scene folds back into the box; 'parity' takes the
    velocities back. */
@@ -70,31 +65,26 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
   wall        = SceneSolidDistance(scene, x, &solid);
   place->near = (PetscBool)(PetscAbsReal(wall) < near);
   if (wall < 0) {
-    const Body body = SceneSolid(scene, solid);
+    place->body = SceneSolid(scene, solid);
+    BodyMotion(place->body, time, x, place->velocity);
+  }
+  for (PetscInt b = 0; b < SceneCount(scene) && !place->body; b++) {
+    const Body      body = SceneBody(scene, b);
+    PetscReal       image[DIM];
+    const PetscReal distance = BodyNearest(body, x, image);
 
-    place->matter = (Matter){.kind = 2};
-    (void)TensionSolidAngles(sim->tension, solid, place->matter.angle);
-    BodyMotion(body, time, x, place->velocity);
-  } else
-    for (PetscInt b = 0; b < SceneCount(scene) && place->matter.kind == 0; b++) {
-      const Body      body = SceneBody(scene, b);
-      PetscReal       image[DIM];
-      const PetscReal distance = BodyNearest(body, x, image);
-
-      place->near = (PetscBool)(place->near || PetscAbsReal(distance) < near);
-      if (distance >= 0) continue;
-      place->matter = (Matter){.kind    = 1,
-                               .density = BodyMaterial(body)->density,
-                               .tension = BodyMaterial(body)->tension,
-                               .liquid  = (PetscReal)SceneLiquid(scene, b),
-                               .emits   = BodyComesLater(body) ? 1 + (PetscReal)BodyFillings(body, time) : 0};
-      for (PetscInt r = 0; r < RATES; r++) place->matter.viscosity[r] = BodyViscosity(body, rates[r]);
-      if (BodyComesLater(body))
-        BodyFillingVelocity(body, time, x, place->velocity);
-      else
-        BodyVelocity(body, image, place->velocity);
-    }
-  if (sim->domain->graded && !sim->domain->adaptive) place->matter.spacing = SceneSpacing(scene, x);
+    place->near = (PetscBool)(place->near || PetscAbsReal(distance) < near);
+    if (distance >= 0) continue;
+    place->body   = body;
+    place->liquid = SceneLiquid(scene, b);
+    place->emits  = BodyComesLater(body) ? 1 + BodyFillings(body, time) : 0;
+    if (BodyComesLater(body))
+      BodyFillingVelocity(body, time, x, place->velocity);
+    else
+      BodyVelocity(body, image, place->velocity);
+  }
+  if (!place->body) place->body = SceneHoleAt(scene, x);
+  if (sim->domain->graded && !sim->domain->adaptive) place->spacing = SceneSpacing(scene, x);
   SceneAcceleration(scene, x, place->force);
   for (PetscInt d = 0; d < DIM; d++) {
     place->velocity[d] *= parity[d];
@@ -128,10 +118,10 @@ static PetscBool Alike(const Model *model, PetscReal time, const Map *map, const
   Look(model, time, x, &one);
   Look(model, time, y, &other);
   if (one.near || other.near) return PETSC_TRUE;
-  *what = one.matter.kind != other.matter.kind ? "what is there differs" : "materials or spacings differ";
-  if (PetscAbsReal(one.matter.spacing - other.matter.spacing) <= NEAR * model->sim->domain->spacing)
-    one.matter.spacing = other.matter.spacing;
-  if (memcmp(&one.matter, &other.matter, sizeof(one.matter))) return PETSC_FALSE;
+  *what = one.body->own.owner != other.body->own.owner ? "what is there differs" : "materials or spacings differ";
+  if (!BodiesAlike(one.body, other.body) || one.liquid != other.liquid || one.emits != other.emits ||
+      PetscAbsReal(one.spacing - other.spacing) > NEAR * model->sim->domain->spacing)
+    return PETSC_FALSE;
   *what = "velocities differ";
   if (Difference(map, one.velocity, other.velocity) > SAME * model->speed) return PETSC_FALSE;
   *what = "forces differ";
@@ -303,8 +293,7 @@ static PetscBool FacesAlike(const Model *model, PetscInt d, PetscInt side, Petsc
 
   (void)TensionFaceAngles(model->sim->tension, d, side, angle[0]);
   (void)TensionFaceAngles(model->sim->tension, e, other, angle[1]);
-  for (const Edge *const *edge = StepEdges; *edge; edge++)
-    if ((*edge)->alike && !(*edge)->alike(model->sim->stepper, d, side, e, other)) return PETSC_FALSE;
+  if (!PropertiesSame(domain, &domain->own[d][side], &domain->own[e][other])) return PETSC_FALSE;
   for (PetscInt k = 0; k < DIM; k++)
     moved[k] = parity[k] * domain->wall_velocity[d][side][k] - domain->wall_velocity[e][other][k];
   return (PetscBool)(domain->face[d][side] == domain->face[e][other] && angle[0][0] == angle[1][0] &&
@@ -410,8 +399,8 @@ static void FindForces(const Model *model, SceneModel *found)
   PetscReal drawn = 0, diffused = 0, height = 0; /* m: way by tension, width of a boundary layer, size of the box */
 
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
-    const Material *m  = BodyMaterial(SceneBody(scene, b));
-    const PetscReal mu = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), rates[2])),
+    const Material *m     = BodyMaterial(SceneBody(scene, b));
+    const PetscReal mu    = PetscMax(BodyViscosity(SceneBody(scene, b), 0), BodyViscosity(SceneBody(scene, b), FAST)),
                     sigma = PetscMax(m->tension, SceneInterfaceTension(scene));
 
     drawn    = PetscMax(drawn, 0.5 * sigma * PetscSqr(span) / (m->density * PetscSqr(d0)));

@@ -160,6 +160,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(ReadOwnOptions(sim));
   *stop = (PetscBool)(help || sim->dump[0] || sim->list[0] || sim->word[0]);
   PetscCall(DomainCreate(comm, &sim->domain));
+  PetscCall(StepperProperties(sim->domain));
   PetscCall(DomainSetFromOptions(sim->domain));
   PetscCall(RefuseCombinations(sim));
   PetscCall(KernelCreate(comm, sim->domain->dim, &sim->kernel));
@@ -167,7 +168,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(SceneCreate(sim->domain, &sim->scene));
   PetscCall(SceneSetFromOptions(sim->scene));
   PetscCall(RefuseCombinations(sim));
-  if (OptionsAll()) PetscCall(SceneHelp(comm));
+  if (OptionsAll()) PetscCall(SceneHelp(sim->domain));
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(RefuseCombinations(sim));

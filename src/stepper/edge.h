@@ -83,6 +83,7 @@ typedef struct {
   const NumberRow        *numbers;     /* their rows */
   NumberTable             table;       /* numbers that it keeps in the scene; no name: none */
   const struct GaugeKind *gauge;       /* its columns and tables, of gauges/columns.h; NULL: none */
+  const Property         *properties;  /* options that it gives to bodies, faces, ...: see domain.h; NULL: none */
   const Feature          *features;    /* NULL: none */
   const Refusal          *refusals;    /* the same */
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
@@ -92,8 +93,6 @@ typedef struct {
   void (*json)(Stepper stepper, Json *json);
   /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
   PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
-  /* whether what it does to the face 'side' of direction d is what it does to face 'other' of e. Not collective. */
-  PetscBool (*alike)(Stepper stepper, PetscInt d, PetscInt side, PetscInt e, PetscInt other);
   /* whether it can bring liquid any energy, so that the scene bounds none */
   PetscBool (*drives)(Stepper stepper);
   /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */

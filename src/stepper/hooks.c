@@ -6,6 +6,15 @@ extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, EmitterEdge,
 const Edge *const StepEdges[] = {&InterfaceEdge,  &MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge,
                                  &ResamplingEdge, &GasEdge,    &OutletEdge,  NULL};
 
+PetscErrorCode StepperProperties(Domain domain)
+{
+  PetscFunctionBegin;
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    for (const Property *property = (*edge)->properties; property && property->rows; property++)
+      PetscCall(DomainAddProperty(domain, property));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
 {
   PetscInt n = NumbersList(StateRows, state, 0, list);

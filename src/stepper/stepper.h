@@ -96,6 +96,8 @@ PetscErrorCode     StepperReport(Scene scene, const StepState *state, PetscReal 
 #define SCHEME_WEAKLY_COMPRESSIBLE                                                                                     \
   "weakly_compressible" /* the consistent scheme with an explicit pressure: Tait's equation, artificial sound */
 
+/* StepperProperties - gives the domain what edges bring of properties, before any options are read. Not collective. */
+PetscErrorCode StepperProperties(Domain domain);
 /* StepperCreate - of a cloud, with its tension and pressure (all borrowed). Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls

@@ -34,11 +34,11 @@ typedef struct {
 static const OptionRow of_solids[] = {
   {"-contact_angle",
    "Contact angle of the free surface on the solid, in the liquid; without one the liquid does not wet it", "degrees",
-   "(0, 180)", ROW_REAL, offsetof(Wetting, angle), .fallback = "none"},
+   "(0, 180)", ROW_REAL, offsetof(Wetting, angle), .fallback = "none", .changes = PETSC_TRUE},
   {"-contact_hysteresis",
    "Advancing minus receding contact angle, half of it on either side of -contact_angle; between them contact lines do "
    "not move",
-   "degrees", "[0, 180)", ROW_REAL, offsetof(Wetting, hysteresis)},
+   "degrees", "[0, 180)", ROW_REAL, offsetof(Wetting, hysteresis), .changes = PETSC_TRUE},
   {.name = NULL},
 };
 
@@ -112,26 +112,31 @@ static const OptionRow angles[] = {
   {.name = NULL},
 };
 
+static const OptionRow of_faces[] = {
+  {"-contact_angle", "Contact angle of this wall, if it differs", "degrees", "(0, 180)", ROW_REAL, 0,
+   .fallback = "-wall_contact_angle"},
+  {.name = NULL},
+};
+
 PetscErrorCode ContactSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
 {
   Curvature *data = tension->data;
   Wetting    all  = {90, 0};
+  PetscReal  own[2 * DIM]; /* of the faces, degrees */
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc(MovingLines.size, &data->contact.lines));
   PetscCall(MovingLines.read(data->contact.lines, PetscOptionsObject, &data->contact.lines_move));
   PetscCall(OptionsRead(PetscOptionsObject, angles, "TensionSetFromOptions", &all));
+  for (PetscInt f = 0; f < 2 * DIM; f++) own[f] = all.angle;
+  PetscCall(DomainReadFaces(SceneDomain(tension->scene), of_faces, "TensionSetFromOptions", sizeof(*own), own));
   for (PetscInt f = tension->rings ? 1 : 0; f < 2 * tension->dim; f++) {
     const PetscInt  d = f / 2, side = f % 2;
-    char            option[OPTION_NAME_LENGTH];
-    const OptionRow one[] = {{option, "Contact angle of this wall, if it differs", "degrees", "(0, 180)", ROW_REAL, 0},
-                             {.name = NULL}};
-    PetscReal       angle = all.angle;
+    const PetscReal angle = own[f];
 
-    PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%c%s_contact_angle", "xyz"[d], side ? "max" : "min"));
-    PetscCall(OptionsRead(PetscOptionsObject, one, "TensionSetFromOptions", &angle));
     PetscCheckUser(angle == all.angle || tension->face[d][side] == FACE_WALL, tension->comm,
-                   "%s: the face is %s; only a wall has a contact angle", option, FaceTypes[tension->face[d][side]]);
+                   "-box_%s_contact_angle: the face is %s; only a wall has a contact angle", FaceNames[d][side],
+                   FaceTypes[tension->face[d][side]]);
     PetscCheckUser(
       0.5 * all.hysteresis < PetscMin(angle, 180 - angle), tension->comm,
       "-wall_contact_hysteresis %g: half of it below and half above the contact angle, %g, must be in (0, 180)",

@@ -90,7 +90,7 @@ runs.check(not unknown, "every_key_is_in_the_table", str(unknown))
 runs.check(not missing, "every_row_of_the_table_is_written", str(missing))
 
 solid, drop, ball = files[1]["solids"][0], files[3], files[5]
-runs.check(sorted(solid["holes"][0]) == ["lower", "name", "shape", "upper"], "a_hole", str(solid["holes"]))
+runs.check(sorted(solid["holes"][0]) == ["lower", "name", "pressure", "shape", "upper"], "a_hole", str(solid["holes"]))
 runs.check(solid["driven"] and not solid["free"] and solid["motion"]["oscillation_amplitude"] == [0.1, 0] and
            any(math.isclose(t, 0.25e-3) for t in solid["moments"]), "a_solid_that_moves", str(solid))
 runs.check(math.isclose(solid["lower"][0], 0.5) and solid["shape"]["numbers"]["radius"] == 0.2, "bounds",

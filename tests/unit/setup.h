@@ -4,6 +4,7 @@
 
 #include "../../src/packing/packing_impl.h"
 #include "../../src/pressure/pressure.h"
+#include "../../src/stepper/stepper.h"
 #include "../../src/tension/tension.h"
 #include "../../src/operators/operators.h"
 
@@ -20,15 +21,18 @@ typedef struct {
   PetscInt      global; /* particles of all ranks */
 } Setup;
 
-/* SetupOpenOn - everything below the particles, as the program does it; the swarm is empty. SetupOpen - on all ranks.
-   Nothing evens a packing out there, so its jitter is half of the default unless the options name one. */
-static inline PetscErrorCode SetupOpenOn(MPI_Comm comm, const char options[], Setup *s)
+/* SetupOpenWith - everything below the particles, as the program does it; the swarm is empty. more: properties besides
+   those of the program, as those of an edge; NULL: none. SetupOpenOn - without. SetupOpen - on all ranks. Nothing evens
+   a packing out there, so its jitter is half of the default unless the options name one. */
+static inline PetscErrorCode SetupOpenWith(MPI_Comm comm, const char options[], const Property more[], Setup *s)
 {
   PetscFunctionBegin;
   PetscCall(PetscMemzero(s, sizeof(*s)));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
   PetscCall(DomainCreate(comm, &s->domain));
+  PetscCall(StepperProperties(s->domain));
+  for (; more && more->rows; more++) PetscCall(DomainAddProperty(s->domain, more));
   PetscCall(DomainSetFromOptions(s->domain));
   PetscCall(KernelCreate(comm, s->domain->dim, &s->kernel));
   PetscCall(KernelSetFromOptions(s->kernel, s->domain->spacing));
@@ -41,6 +45,13 @@ static inline PetscErrorCode SetupOpenOn(MPI_Comm comm, const char options[], Se
                         PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));
   PetscCall(DomainSetUp(s->domain, s->cloud->size_most * s->cloud->reach + s->cloud->slack));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode SetupOpenOn(MPI_Comm comm, const char options[], Setup *s)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupOpenWith(comm, options, NULL, s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

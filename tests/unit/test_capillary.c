@@ -132,7 +132,7 @@ static PetscErrorCode TestLaws(void)
   "-bodies a -a_tension 2 -a_viscosity 4 -a_shape sphere -a_radius 9 "
 
 /* The number of the line at the right (x > 0) or left end of a drop, mean over the particles that have one. */
-static PetscReal Number(Setup *s, PetscBool right)
+static PetscReal LineNumber(Setup *s, PetscBool right)
 {
   PetscReal sum = 0, count = 0;
 
@@ -163,8 +163,8 @@ static PetscErrorCode TestNumbers(void)
     PetscCall(SetupMoments(&s));
     PetscCall(TensionApply(s.tension, s.cloud));
     LinesMove(s.tension, s.cloud, 1e9);
-    CHECK_CLOSE(Number(&s, PETSC_TRUE), 0.6, 1e-9, "line_advances");
-    CHECK_CLOSE(Number(&s, PETSC_FALSE), -0.6, 1e-9, "line_recedes");
+    CHECK_CLOSE(LineNumber(&s, PETSC_TRUE), 0.6, 1e-9, "line_advances");
+    CHECK_CLOSE(LineNumber(&s, PETSC_FALSE), -0.6, 1e-9, "line_recedes");
     for (PetscInt a = 0; a < s.cloud->n_fluid && first < 0; a++)
       if (s.cloud->field[FIELD_LINE][a] != 0) first = a;
     if (first >= 0) s.cloud->field[FIELD_LINE][first] = 0;

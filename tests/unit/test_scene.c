@@ -470,12 +470,15 @@ static PetscErrorCode TestHelp(void)
                                            {"yield_stress", "-<body>_viscosity_model herschel_bulkley"},
                                            {"interval", "-<body>_type emitter"},
                                            {"modulation", "-<body>_type emitter"}};
+  Domain                   domain;
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(OptionsForget());
   PetscCall(PetscOptionsSetValue(NULL, LIST_OPTION, "list.json"));
-  PetscCall(SceneHelp(PETSC_COMM_WORLD));
+  PetscCall(DomainCreate(PETSC_COMM_WORLD, &domain));
+  PetscCall(SceneHelp(domain));
+  PetscCall(DomainDestroy(&domain));
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
     char              option[64], name[64];
     const OptionNote *note;
