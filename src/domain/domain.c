@@ -11,9 +11,8 @@
 #define COARSE_RATIO_MAX 8     /* of the coarse to the fine spacing: larger ratios are untested */
 #define DEFAULT_GROWTH   0.1
 
-const char *const        FaceTypes[]       = {"open", "periodic", "wall", "symmetry", NULL};
-static const char *const AxisNames[DIM]    = {"x", "y", "z"};
-const char *const        FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
+const char *const        FaceTypes[]    = {"open", "periodic", "wall", "symmetry", NULL};
+static const char *const AxisNames[DIM] = {"x", "y", "z"};
 
 PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
 {

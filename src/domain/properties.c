@@ -1,6 +1,8 @@
 /* The properties of what a scene has, and the options of the faces of the box. */
 #include "domain.h"
 
+const char *const FaceNames[DIM][2] = {{"xmin", "xmax"}, {"ymin", "ymax"}, {"zmin", "zmax"}};
+
 #define ANY_FACE "box_<face>_" /* no option of a scene has these signs */
 
 PetscErrorCode DomainAddProperty(Domain domain, const Property *property)

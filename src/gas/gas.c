@@ -104,30 +104,6 @@ static PetscBool On(Stepper stepper)
   return GasOf(stepper)->on;
 }
 
-/* Of a hole. */
-typedef struct {
-  PetscReal pressure; /* Pa; 0: not given */
-} HoleGas;
-
-static const OptionRow of_holes[] = {
-  {"-pressure", "Pressure at the start of the gas in a hole, with -gas; 0: -gas_pressure_start", "Pa", "[0, inf)",
-   ROW_REAL, offsetof(HoleGas, pressure), .changes = PETSC_TRUE},
-  {.name = NULL},
-};
-
-static const Property properties[] = {{OWNER_HOLE, sizeof(HoleGas), of_holes}, {.rows = NULL}};
-
-PetscReal GasHolePressure(Scene scene, const PetscReal x[])
-{
-  PetscReal pressure = 0;
-  Body      hole;
-
-  for (PetscInt k = 0; (hole = SceneHole(scene, k)); k++)
-    if (!x || BodyDistance(hole, x) < 0)
-      pressure = PetscMax(pressure, ((const HoleGas *)BodyOwn(hole, properties))->pressure);
-  return pressure;
-}
-
 /* The largest difference (Pa) of the pressures at the start to that of the open air. */
 static PetscReal Excess(const Gas *gas)
 {
@@ -334,7 +310,7 @@ static const Refusal refusals[] = {{HOLE, NEEDS_GIVEN, "-gas", ""},
 
 const Edge GasEdge = {.name        = GAS_EDGE,
                       .features    = features,
-                      .properties  = properties,
+                      .properties  = GasProperties,
                       .gauge       = &GaugePockets,
                       .refusals    = refusals,
                       .data_size   = sizeof(Gas),

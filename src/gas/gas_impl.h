@@ -206,7 +206,8 @@ static inline PetscBool GasSeen(const Gas *gas)
 
 /* GasHolePressure - the pressure (Pa) that gas at x (m) has at the start by the option of a hole there, 0: none; the
    largest of all holes without x. Not collective. */
-PetscReal GasHolePressure(Scene scene, const PetscReal x[]);
+extern const Property GasProperties[]; /* of holes */
+PetscReal             GasHolePressure(Scene scene, const PetscReal x[]);
 
 static inline Gas *GasOf(Stepper stepper)
 {

@@ -370,6 +370,30 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of a hole. */
+typedef struct {
+  PetscReal pressure; /* Pa; 0: not given */
+} HoleGas;
+
+static const OptionRow of_holes[] = {
+  {"-pressure", "Pressure at the start of the gas in a hole, with -gas; 0: -gas_pressure_start", "Pa", "[0, inf)",
+   ROW_REAL, offsetof(HoleGas, pressure), .changes = PETSC_TRUE},
+  {.name = NULL},
+};
+
+const Property GasProperties[] = {{OWNER_HOLE, sizeof(HoleGas), of_holes}, {.rows = NULL}};
+
+PetscReal GasHolePressure(Scene scene, const PetscReal x[])
+{
+  PetscReal pressure = 0;
+  Body      hole;
+
+  for (PetscInt k = 0; (hole = SceneHole(scene, k)); k++)
+    if (!x || BodyDistance(hole, x) < 0)
+      pressure = PetscMax(pressure, ((const HoleGas *)BodyOwn(hole, GasProperties))->pressure);
+  return pressure;
+}
+
 /* The pressures (Pa) of the pockets at the start: that of -gas_pressure_start, or of a hole that they fill. */
 static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
 {

@@ -28,10 +28,10 @@ static const NumberRow HeadRows[] = {
   {.name = NULL},
 };
 
-/* All numbers of the head; returns how many. */
-static PetscInt HeadNumbers(const Head *head, Number list[NUMBERS_MOST])
+/* Number k of the head; false: there are only k. */
+static PetscBool HeadNumber(const Head *head, PetscInt k, Number *number)
 {
-  return NumbersList(HeadRows, head, StateNumbers(&head->state, list), list);
+  return (PetscBool)(NumbersWalk(HeadRows, head, &k, number) || StateNumber(&head->state, k, number));
 }
 
 static void HeadFill(Output output, const StepState *state, PetscInt particles, Head *head)
@@ -50,19 +50,18 @@ static void HeadFill(Output output, const StepState *state, PetscInt particles, 
 
 static void HeadPut(H5File *h5, const Head *head, const char scene[], const char options[])
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n = HeadNumbers(head, list);
+  Number number;
 
   H5FilePutText(h5, "format", CHECKPOINT_FORMAT);
   H5FilePutInt(h5, "format_version", CHECKPOINT_VERSION);
   H5FilePutText(h5, "version", ISPH_VERSION);
   H5FilePutText(h5, SCENE, scene);
   H5FilePutText(h5, "options", options);
-  for (PetscInt k = 0; k < n; k++)
-    if (list[k].row->kind == NUMBER_COUNT)
-      H5FilePutInt(h5, list[k].row->name, *(PetscInt *)list[k].at);
+  for (PetscInt k = 0; HeadNumber(head, k, &number); k++)
+    if (number.row->kind == NUMBER_COUNT)
+      H5FilePutInt(h5, number.row->name, *(PetscInt *)number.at);
     else
-      H5FilePutReal(h5, list[k].row->name, 1, (PetscReal *)list[k].at);
+      H5FilePutReal(h5, number.row->name, 1, (PetscReal *)number.at);
 }
 
 /* The positions, wrapped into the box as a restart needs them, to be freed: during a run a particle may be behind a
@@ -240,18 +239,17 @@ typedef enum { FILE_GOOD, FILE_MISSING, FILE_FOREIGN, FILE_BROKEN, FILE_OTHER_VE
 /* Whether all numbers of the head are there and a PetscInt holds the integers. */
 static PetscBool HeadRead(H5File *h5, Head *head)
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n     = HeadNumbers(head, list);
-  PetscBool      whole = PETSC_TRUE;
-  PetscInt64     value;
+  Number     number;
+  PetscBool  whole = PETSC_TRUE;
+  PetscInt64 value;
 
-  for (PetscInt k = 0; k < n && whole; k++)
-    if (list[k].row->kind == NUMBER_COUNT) {
+  for (PetscInt k = 0; whole && HeadNumber(head, k, &number); k++)
+    if (number.row->kind == NUMBER_COUNT) {
       whole =
-        (PetscBool)(H5FileGetInt(h5, list[k].row->name, &value) && value >= PETSC_MIN_INT && value <= PETSC_MAX_INT);
-      if (whole) *(PetscInt *)list[k].at = (PetscInt)value;
+        (PetscBool)(H5FileGetInt(h5, number.row->name, &value) && value >= PETSC_MIN_INT && value <= PETSC_MAX_INT);
+      if (whole) *(PetscInt *)number.at = (PetscInt)value;
     } else
-      whole = H5FileGetReal(h5, list[k].row->name, (PetscReal *)list[k].at);
+      whole = H5FileGetReal(h5, number.row->name, (PetscReal *)number.at);
   return whole;
 }
 
@@ -296,18 +294,17 @@ static PetscErrorCode HeadGet(const char file[], Seal seal, Head *head, Texts *t
 /* Refuses numbers that no run leaves. */
 static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const Head *head)
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n = HeadNumbers(head, list);
+  Number number;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < n; k++) {
-    const NumberKind kind  = list[k].row->kind;
-    const PetscReal  value = kind == NUMBER_COUNT ? (PetscReal) * (PetscInt *)list[k].at : *(PetscReal *)list[k].at;
+  for (PetscInt k = 0; HeadNumber(head, k, &number); k++) {
+    const NumberKind kind  = number.row->kind;
+    const PetscReal  value = kind == NUMBER_COUNT ? (PetscReal) * (PetscInt *)number.at : *(PetscReal *)number.at;
     const PetscBool  nan   = (PetscBool)(value != value && kind == NUMBER_MAYBE),
                     low    = (PetscBool)(value < 0 && (kind == NUMBER_SPAN || kind == NUMBER_COUNT));
 
     PetscCheckUser(nan || (!PetscIsInfOrNanReal(value) && !low), output->comm,
-                   "The checkpoint %s cannot be used: its %s is %g; restart from another one.", file, list[k].row->name,
+                   "The checkpoint %s cannot be used: its %s is %g; restart from another one.", file, number.row->name,
                    (double)value);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,5 @@
-/* A body: creation, view, and the functions that other folders call. */
+/* A body: creation, and the functions that other folders call. */
 #include "scene_impl.h"
-#include <string.h>
 
 #define WATER_DENSITY   1000.0     /* kg/m3 */
 #define WATER_VISCOSITY 1e-3       /* Pa s */
@@ -38,54 +37,6 @@ PetscErrorCode BodyDestroy(Body *body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The numbers of what a body is made of, and the names of what it chose besides the defaults: the first of a registry.
- */
-static PetscErrorCode ViewMatter(Body body, PetscViewer viewer)
-{
-  char             text[1024] = "", one[256];
-  const OptionRow *rows;
-  const void      *data;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; (rows = BodyMatter(body, k, &data)); k++)
-    for (const OptionRow *row = rows; row->name; row++) {
-      const void *value = (const char *)data + row->offset;
-
-      one[0] = 0;
-      if (row->kind == ROW_REAL)
-        (void)snprintf(one, sizeof(one), "%s%s %g%s%s", text[0] ? ", " : "", row->name + 1,
-                       (double)*(const PetscReal *)value, row->unit ? " " : "", row->unit ? row->unit : "");
-      else if (row->kind == ROW_CHOICE && strcmp((const char *)value, row->choices[0]->name))
-        (void)snprintf(one, sizeof(one), ", %s %s", row->name + 1, (const char *)value);
-      TextAppend(text, sizeof(text), one);
-    }
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
-{
-  const PetscReal *v = body->uniform;
-  PetscReal        lower[DIM], upper[DIM];
-
-  PetscFunctionBegin;
-  BodyBounds(body, lower, upper);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s%s within %g, %g, %g to %g, %g, %g m\n", body->name,
-                                   BodyComesLater(body) ? body->type : "", BodyComesLater(body) ? ", " : "",
-                                   body->shape_type, (double)lower[0], (double)lower[1], (double)lower[2],
-                                   (double)upper[0], (double)upper[1], (double)upper[2]));
-  if (!body->velocity) { /* a solid */
-    if (body->motion) PetscCall(SolidMotion.view(body, tension, viewer));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PetscViewerASCIIPushTab(viewer));
-  PetscCall(ViewMatter(body, viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %g, %g, %g m/s\n", body->velocity_type, (double)v[0],
-                                   (double)v[1], (double)v[2]));
-  PetscCall(PetscViewerASCIIPopTab(viewer));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 const char *BodyName(Body body)
 {
   return body->name;
@@ -94,19 +45,6 @@ const char *BodyName(Body body)
 void *BodyOwn(Body body, const Property *property)
 {
   return PropertyOf(body->domain, &body->own, property);
-}
-
-PetscBool BodiesAlike(Body one, Body other)
-{
-  const OptionRow *rows, *others;
-  const void      *a, *b;
-
-  if (one->own.owner != other->own.owner) return PETSC_FALSE;
-  for (PetscInt k = 0; (rows = BodyMatter(one, k, &a)); k++) {
-    others = BodyMatter(other, k, &b);
-    if (rows != others || !OptionsSame(rows, a, b)) return PETSC_FALSE;
-  }
-  return PETSC_TRUE;
 }
 
 const Material *BodyMaterial(Body body)

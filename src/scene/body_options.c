@@ -48,29 +48,6 @@ static const OptionRow shaped[] = {
   {.name = NULL},
 };
 
-static const OptionRow material[] = {
-  {"-density", "Density", "kg/m3", "(0, inf)", ROW_REAL, offsetof(struct _p_Body, material.density)},
-  {"-viscosity",
-   "Dynamic viscosity; with -viscosity_model carreau the viscosity at rest, with power_law and herschel_bulkley the "
-   "consistency, Pa s^n",
-   "Pa s", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.viscosity), .changes = PETSC_TRUE},
-  {"-tension", "Surface tension", "N/m", "[0, inf)", ROW_REAL, offsetof(struct _p_Body, material.tension)},
-  {.name = NULL},
-};
-
-static const OptionRow fluid[] = {
-  {"-viscosity_model", "How the viscosity depends on the shear rate", NULL, NULL, ROW_CHOICE,
-   offsetof(struct _p_Body, viscosity_type), .choices = Viscosities},
-  {.name = NULL},
-};
-
-const OptionRow BodyStart[] = {
-  {"-velocity", "Uniform part of the initial velocity", "m/s", NULL, ROW_DIRECTION, offsetof(struct _p_Body, uniform)},
-  {"-velocity_type", "Initial velocity field, added to the uniform part", NULL, NULL, ROW_CHOICE,
-   offsetof(struct _p_Body, velocity_type), .choices = Velocities},
-  {.name = NULL},
-};
-
 static const OptionRow typed[] = {
   {"-type", "Type of the body", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Body, type), .choices = BodyTypes},
   {.name = NULL},
@@ -129,7 +106,7 @@ static PetscErrorCode ReadShape(Body body, OptionItems PetscOptionsObject)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const OptionRow *const of_bodies[] = {material, fluid, BodyStart, typed};
+static const OptionRow *const of_bodies[] = {BodyMaterials, BodyViscosities, BodyStart, typed};
 
 PetscErrorCode BodySetFromOptions(Body body)
 {
@@ -142,9 +119,9 @@ PetscErrorCode BodySetFromOptions(Body body)
   PetscOptionsBegin(body->domain->comm, body->prefix, title, "Scene");
   PetscCall(ReadShape(body, PetscOptionsObject));
   PetscCall(Read(body, PetscOptionsObject, holed, &holes));
-  PetscCall(Read(body, PetscOptionsObject, material, body));
-  PetscCall(Read(body, PetscOptionsObject, fluid, body));
-  PetscCall(ReadChosen(body, PetscOptionsObject, fluid, &body->viscosity_data, &choice));
+  PetscCall(Read(body, PetscOptionsObject, BodyMaterials, body));
+  PetscCall(Read(body, PetscOptionsObject, BodyViscosities, body));
+  PetscCall(ReadChosen(body, PetscOptionsObject, BodyViscosities, &body->viscosity_data, &choice));
   body->viscosity = (const ViscosityOps *)choice;
   PetscCall(Read(body, PetscOptionsObject, BodyStart, body));
   PetscCall(ReadChosen(body, PetscOptionsObject, &BodyStart[1], &body->velocity_data, &choice));
@@ -211,24 +188,6 @@ PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const OptionRow *BodyMatter(Body body, PetscInt k, const void **data)
-{
-  static const OptionRow none[] = {{.name = NULL}};
-  const PetscBool        liquid = (PetscBool)(body->own.owner == OWNER_BODY),
-                  solid         = (PetscBool)(body->own.owner == OWNER_SOLID);
-  const Property *property;
-  void           *own;
-
-  *data = body;
-  if (liquid && k < 2) return k == 0 ? material : fluid;
-  *data = liquid ? body->viscosity_data : body->wetting;
-  if (liquid && k == 2) return body->viscosity->choice.options ? body->viscosity->choice.options : none;
-  if (solid && k == 0) return SolidWetting.rows;
-  property = PropertiesWalk(body->domain, &body->own, k - (liquid ? 3 : solid ? 1 : 0), &own);
-  *data    = own;
-  return property ? property->rows : NULL;
-}
-
 PetscErrorCode SceneHelp(Domain of)
 {
   const MPI_Comm comm = of->comm;
@@ -244,14 +203,14 @@ PetscErrorCode SceneHelp(Domain of)
   PetscOptionsBegin(comm, body->prefix, "Body, any", "Scene");
   PetscCall(Read(body, PetscOptionsObject, shaped, body));
   PetscCall(Read(body, PetscOptionsObject, holed, &holes));
-  PetscCall(Read(body, PetscOptionsObject, material, body));
-  PetscCall(Read(body, PetscOptionsObject, fluid, body));
+  PetscCall(Read(body, PetscOptionsObject, BodyMaterials, body));
+  PetscCall(Read(body, PetscOptionsObject, BodyViscosities, body));
   PetscCall(Read(body, PetscOptionsObject, BodyStart, body));
   PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_BODY, &body->own));
   PetscCall(Read(body, PetscOptionsObject, typed, body));
   PetscOptionsEnd();
   PetscCall(ReadChosen(body, NULL, shaped, &body->shape_data, &choice));
-  PetscCall(ReadChosen(body, NULL, fluid, &body->viscosity_data, &choice));
+  PetscCall(ReadChosen(body, NULL, BodyViscosities, &body->viscosity_data, &choice));
   PetscCall(ReadChosen(body, NULL, &BodyStart[1], &body->velocity_data, &choice));
   PetscCall(ReadChosen(body, NULL, typed, &body->type_data, &choice));
   PetscOptionsBegin(comm, body->prefix, "Solid that moves", "Scene");

@@ -44,9 +44,10 @@ extern const WettingOps    SolidWetting;
 extern const Choice *const Shapes[], *const Velocities[], *const Viscosities[], *const BodyTypes[];
 
 /* BodyMatter - table k of the options that say what a body, solid or hole is made of, and the struct with their values;
-   NULL: there are only k. BodyStart - the rows of a body's velocity at the start, in the body. Not collective. */
+   NULL: there are only k. BodyMaterials, BodyViscosities, BodyStart - rows in the
+   body: its material, the model of its viscosity, its velocity at the start. Not collective. */
 const OptionRow       *BodyMatter(Body body, PetscInt k, const void **data);
-extern const OptionRow BodyStart[];
+extern const OptionRow BodyMaterials[], BodyViscosities[], BodyStart[];
 
 /* MotionData - the data of table k of the options of motions; NULL: the solid has none. Not collective. */
 static inline void *MotionData(Body solid, size_t k)

@@ -110,15 +110,14 @@ static const char *Dominant(const StepState *state, const Balance *b)
 /* Lists the energies that boundaries and sources gave: ", the pressure of solids that move 4.1, ..." */
 static PetscErrorCode Outside(Sim sim, PetscReal multiplicity, char text[], size_t length)
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n = StateNumbers(&sim->state, list);
-  char           part[128];
+  Number number;
+  char   part[128];
 
   PetscFunctionBegin;
   text[0] = 0;
-  for (PetscInt k = 0; k < n; k++) {
-    const NumberRow *row   = list[k].row;
-    const PetscReal  value = row->part != ENERGY_NONE && row->part != ENERGY_LOST ? *(PetscReal *)list[k].at : 0;
+  for (PetscInt k = 0; StateNumber(&sim->state, k, &number); k++) {
+    const NumberRow *row   = number.row;
+    const PetscReal  value = row->part != ENERGY_NONE && row->part != ENERGY_LOST ? *(PetscReal *)number.at : 0;
 
     if (value == 0) continue;
     PetscCall(PetscSNPrintf(part, sizeof(part), ", %s %.4g", row->source,

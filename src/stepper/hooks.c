@@ -15,13 +15,12 @@ PetscErrorCode StepperProperties(Domain domain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt StateNumbers(const StepState *state, Number list[NUMBERS_MOST])
+PetscBool StateNumber(const StepState *state, PetscInt k, Number *number)
 {
-  PetscInt n = NumbersList(StateRows, state, 0, list);
-
+  if (NumbersWalk(StateRows, state, &k, number)) return PETSC_TRUE;
   for (const Edge *const *edge = StepEdges; *edge; edge++)
-    n = NumbersList((*edge)->numbers, StepEdgeNumbers(StepEdges, state, (*edge)->name), n, list);
-  return n;
+    if (NumbersWalk((*edge)->numbers, StepEdgeNumbers(StepEdges, state, (*edge)->name), &k, number)) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers)
@@ -36,12 +35,11 @@ const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbe
 
 PetscReal StepperEnergy(const StepState *state, EnergyPart part)
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n   = StateNumbers(state, list);
-  PetscReal      sum = 0;
+  Number    number;
+  PetscReal sum = 0;
 
-  for (PetscInt k = 0; k < n; k++)
-    if (list[k].row->part == part) sum += *(PetscReal *)list[k].at;
+  for (PetscInt k = 0; StateNumber(state, k, &number); k++)
+    if (number.row->part == part) sum += *(PetscReal *)number.at;
   return sum;
 }
 

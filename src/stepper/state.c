@@ -43,11 +43,14 @@ const NumberRow StateRows[] = {
   {.name = NULL},
 };
 
-PetscInt NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST])
+PetscBool NumbersWalk(const NumberRow rows[], const void *of, PetscInt *k, Number *number)
 {
-  for (; rows && rows->name && n < NUMBERS_MOST; rows++)
-    list[n++] = (Number){.row = rows, .at = (char *)of + rows->offset};
-  return n;
+  for (; rows && rows->name; rows++, (*k)--) {
+    if (*k > 0) continue;
+    *number = (Number){.row = rows, .at = (char *)of + rows->offset};
+    return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
 }
 
 /* The bytes that a struct of an edge takes up among those of other edges. */

@@ -66,8 +66,6 @@ typedef struct {
   void            *at; /* PetscReal or PetscInt */
 } Number;
 
-#define NUMBERS_MOST 64 /* of a list */
-
 /* Rows of numbers that an edge of a step keeps in the scene or among its numbers, for checkpoints: their name there,
    what they are, and row k of the given width, NULL: there are only k. */
 typedef struct {
@@ -75,15 +73,15 @@ typedef struct {
   PetscReal *(*row)(Scene scene, void *numbers, PetscInt k, PetscInt *width);
 } NumberTable;
 
-/* NumbersList - appends the numbers of a struct, by the rows of its table (NULL: none), to a list of n; returns how
-   many the list has. StateNumbers - lists the numbers of a state, those of the edges last; returns how many.
-   StepperEnergy - the sum of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so
-   far, J, less the energy that left with liquid. StepperTable -
-   table k of the edges, and the numbers of its edge in a state; NULL: there are only k. StepperReport - lines (LF at
-   the end of each) about what the edges of a step have done so far; text: at most 'length' bytes; copies: of the liquid
-   in the whole scene (GaugeTotals); joule: the unit of energies. Not collective. */
-PetscInt           NumbersList(const NumberRow rows[], const void *of, PetscInt n, Number list[NUMBERS_MOST]);
-PetscInt           StateNumbers(const StepState *state, Number list[NUMBERS_MOST]);
+/* NumbersWalk - number *k of a struct, by the rows of its table (NULL: none); false: there are fewer, and *k is less by
+   as many. StateNumber - number k of a state, those of the edges last; false: there are only k. StepperEnergy - the sum
+   of a part of the energy, J. StepperOutsideWork - energy that the fluid got from outside so far, J, less the energy
+   that left with liquid. StepperTable - table k of the edges, and the numbers of its edge in a state; NULL: there are
+   only k. StepperReport - lines (LF at the end of each) about what the edges of a step have done so far; text: at most
+   'length' bytes; copies: of the liquid in the whole scene (GaugeTotals); joule: the unit of energies. Not collective.
+ */
+PetscBool          NumbersWalk(const NumberRow rows[], const void *of, PetscInt *k, Number *number);
+PetscBool          StateNumber(const StepState *state, PetscInt k, Number *number);
 PetscReal          StepperEnergy(const StepState *state, EnergyPart part);
 PetscReal          StepperOutsideWork(const StepState *state);
 const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers);

@@ -8,6 +8,7 @@
   "-dimension 2 -box_lower 0,0,0 -box_upper 6e-3,6e-3,0 -spacing 0.5e-3 -bodies film -film_shape box -film_lower "     \
   "0,0,-1 -film_upper 1,3e-3,1 -film_density 1100 -output_dir " FOLDER " "
 #define STEPS 6
+#define MANY  300 /* numbers */
 
 static int Low(PetscReal r, PetscReal z)
 {
@@ -28,16 +29,15 @@ static PetscErrorCode RemoveFolder(void)
 /* Other values than zero, no two alike, in all numbers, and a pattern in each field of the core that no row names. */
 static void SetState(StepState *state, PetscInt step)
 {
-  Number         list[NUMBERS_MOST];
-  const PetscInt n = StateNumbers(state, list);
+  Number number;
 
   memset(state, 0, sizeof(*state));
   memset(state, 0x3f, offsetof(StepState, edge));
-  for (PetscInt k = 0; k < n; k++)
-    if (list[k].row->kind == NUMBER_COUNT)
-      *(PetscInt *)list[k].at = 100 + k;
+  for (PetscInt k = 0; StateNumber(state, k, &number); k++)
+    if (number.row->kind == NUMBER_COUNT)
+      *(PetscInt *)number.at = 100 + k;
     else
-      *(PetscReal *)list[k].at = (k + 1) / 64.0;
+      *(PetscReal *)number.at = (k + 1) / 64.0;
   state->step      = step;
   state->time      = step * 1e-3 / 3;
   state->time_step = 1e-3 / 3;
@@ -162,18 +162,34 @@ static PetscErrorCode SameParticles(Run *run, PetscBool *same)
 /* Each row has a place of its own: after all are set, each number has its value still. */
 static void CheckRows(void)
 {
-  StepState      state = {0};
-  Number         list[NUMBERS_MOST];
-  const PetscInt n = StateNumbers(&state, list);
+  StepState state = {0};
+  Number    number;
 
-  for (PetscInt k = 0; k < n; k++)
-    if (list[k].row->kind == NUMBER_COUNT)
-      *(PetscInt *)list[k].at = k;
+  for (PetscInt k = 0; StateNumber(&state, k, &number); k++)
+    if (number.row->kind == NUMBER_COUNT)
+      *(PetscInt *)number.at = k;
     else
-      *(PetscReal *)list[k].at = k;
-  for (PetscInt k = 0; k < n; k++)
-    CHECK((list[k].row->kind == NUMBER_COUNT ? *(PetscInt *)list[k].at : *(PetscReal *)list[k].at) == k,
-          list[k].row->name);
+      *(PetscReal *)number.at = k;
+  for (PetscInt k = 0; StateNumber(&state, k, &number); k++)
+    CHECK((number.row->kind == NUMBER_COUNT ? *(PetscInt *)number.at : *(PetscReal *)number.at) == k, number.row->name);
+}
+
+/* A table has as many rows as it likes. */
+static void CheckRoom(void)
+{
+  static NumberRow rows[MANY + 1];
+  PetscReal        value[MANY];
+  Number           number;
+  PetscInt         found = 0;
+
+  for (PetscInt k = 0; k < MANY; k++) rows[k] = (NumberRow){"number", NUMBER_REAL, (size_t)k * sizeof(PetscReal)};
+  for (PetscInt k = 0; k <= MANY; k++) {
+    PetscInt left = k;
+
+    if (NumbersWalk(rows, value, &left, &number)) found += number.at == &value[k];
+    if (k == MANY) CHECK(left == 0, "numbers behind the last row are those of the next table");
+  }
+  CHECK(found == MANY, "as many numbers as rows");
 }
 
 static PetscErrorCode CheckRestart(void)
@@ -379,6 +395,7 @@ int main(int argc, char **argv)
   PetscCall(RemoveFolder());
   PetscCall(WriteRun());
   CheckRows();
+  CheckRoom();
   PetscCall(CheckRestart());
   PetscCall(CheckRefusals());
   PetscCall(CheckDamage());
