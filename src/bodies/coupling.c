@@ -1,12 +1,11 @@
 /* Free bodies in the pressure equation. Their velocity at the end of a step depends on the pressure, and the divergence
-   on their velocity. With c the divergence of the rows, times their masses, for a unit velocity of the body, M its
+   on their velocity. With c the divergence of the rows, times their volumes, for a unit velocity of the body, M its
    inertia and U its velocity without the pressure, the force of the pressure is F = V c p, and
 
      A p = b(U) - c dU/dt,  M dU = dt F:   (A + c M^-1 c^T/m) p = b(U),
 
-   symmetric and positive for any mass, however small: added mass needs no iteration. (With liquids of different
-   densities it would not be symmetric: rows have masses as weights, the force has volumes.) The preconditioner is that
-   of A; each velocity of a body costs the solver about one iteration more. */
+   symmetric and positive for any mass, however small: added mass needs no iteration. The preconditioner is that of A;
+   each velocity of a body costs the solver about one iteration more. */
 #include "bodies_impl.h"
 
 #define BEFORE 1.25 /* spacings, from a dummy particle of the first layer to what is in front of its solid */
@@ -17,11 +16,12 @@ struct _p_Coupling {
   Body       solid;
   PetscInt   body; /* INT_BODY of its dummy particles */
   PetscInt   count, capacity, *row;
-  PetscReal *slope; /* [count][RIGID_MOTIONS] mass of a row times its divergence for a unit motion */
+  PetscReal *slope; /* [count][RIGID_MOTIONS] weight of a row times its divergence for a unit motion */
 };
 
 /* Adds a particle's part of a row; deeper dummy particles share the row of their parent. */
-static PetscErrorCode AddRow(struct _p_Coupling *c, PetscInt row, PetscReal mass, const PetscReal slope[RIGID_MOTIONS])
+static PetscErrorCode AddRow(struct _p_Coupling *c, PetscInt row, PetscReal weight,
+                             const PetscReal slope[RIGID_MOTIONS])
 {
   PetscFunctionBegin;
   if (c->count == c->capacity) {
@@ -30,7 +30,7 @@ static PetscErrorCode AddRow(struct _p_Coupling *c, PetscInt row, PetscReal mass
     PetscCall(PetscRealloc((size_t)c->capacity * RIGID_MOTIONS * sizeof(*c->slope), &c->slope));
   }
   c->row[c->count] = row;
-  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) c->slope[RIGID_MOTIONS * c->count + k] = mass * slope[k];
+  for (PetscInt k = 0; k < RIGID_MOTIONS; k++) c->slope[RIGID_MOTIONS * c->count + k] = weight * slope[k];
   c->count++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,7 +57,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
       row = PressureRow(pressure, a);
       if (row < 0) continue;
       OperatorsSolidDivergence(cloud, a, c->body, center, slope);
-      PetscCall(AddRow(c, row, cloud->volume[a] * cloud->rest_density[row] * PressureRowScale(pressure), slope));
+      PetscCall(AddRow(c, row, PressureRowWeight(pressure, row) * cloud->volume[a] / cloud->volume[row], slope));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -67,7 +67,7 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
 static PetscErrorCode Forces(const FreeData *data, Pressure pressure, const PetscScalar p[], PetscReal force[])
 {
   const Cloud     cloud  = data->cloud;
-  const PetscReal volume = 1 / (PressureRowScale(pressure) * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+  const PetscReal volume = cloud->domain->volume;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(force, RIGID_MOTIONS * data->couplings));
@@ -154,7 +154,7 @@ static PetscErrorCode Level(void *context, Pressure pressure, PetscBool *held)
 {
   const FreeData *data   = (FreeData *)context;
   const Cloud     cloud  = data->cloud;
-  const PetscReal volume = 1 / (PressureRowScale(pressure) * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+  const PetscReal volume = cloud->domain->volume;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < data->couplings && !*held; k++) {

@@ -1,6 +1,7 @@
 /* Pockets of gas in the pressure equation. Each has one unknown pressure P (over that of the open air), which acts on
-   its rows like surface tension. With c_r the closure of row r times the pocket's share of what row r sees outside,
-   s = 1/(row_scale rho), and Q* the rate of the pocket's volume without the pressure, at whose start it is Q,
+   its rows like surface tension. With c_r the closure of row r times the pocket's share of what row r sees outside, s
+   the volume whose row has the weight 1, and Q* the rate of the pocket's volume without the pressure, at whose start it
+   is Q,
 
      A p - c P = b,   Q' = Q* - dt s (c^T (p - sigma kappa) - C P),   P = P(V) - K dt ((a + b) Q' - b Q),   K = gamma
    P/V,
@@ -419,7 +420,7 @@ static PetscErrorCode Assemble(Gas *gas, Pressure pressure)
 static PetscErrorCode SetUp(void *context, Pressure pressure)
 {
   Gas            *gas = (Gas *)context;
-  const PetscReal dt = PressureStep(pressure), s = gas->cloud->domain->volume /* 1/(row_scale rho) */,
+  const PetscReal dt = PressureStep(pressure), s = gas->cloud->domain->volume,
                   correction = PetscMin(1, dt / (MEMORY * PressureRelaxationTime(pressure)));
   const PetscInt n           = gas->now.count;
 

@@ -53,17 +53,17 @@ PetscBool PressureCloses(Pressure pressure, PetscInt a)
 PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
 {
   Cloud            cloud   = pressure->cloud;
-  PetscReal        filling = 0, mass, n[DIM];
+  PetscReal        filling = 0, volume, n[DIM];
   const PetscReal *normal;
 
   if (!pressure->free_surface || a >= cloud->n_fluid || CloudPushes(cloud, a)) return 0;
-  mass = cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale / PressureDensity(pressure)[a];
+  volume = PressureRowWeight(pressure, a) / PressureDensity(pressure)[a];
   if (cloud->field[FIELD_LAMBDA][a] < FILLED_LAMBDA)
-    filling = FACTOR * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * mass - diagonal);
+    filling = FACTOR * PetscMax(0, pressure->lattice_diagonal / SizeAround2(cloud, a) * volume - diagonal);
   if (!cloud->integer[INT_SURFACE][a]) return filling;
   normal = cloud->field[FIELD_NORMAL] + DIM * a;
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
-  return PetscMax(filling, LEAST * Dot(n, normal) * mass);
+  return PetscMax(filling, LEAST * Dot(n, normal) * volume);
 }
 
 /* The least pressure of wall particle a: where liquid on a free surface is near, the mean of its liquid neighbours if

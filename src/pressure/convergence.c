@@ -1,5 +1,5 @@
 /* Residuals of the pressure equation as density errors, the solver's test, and the check of its claim. The residual of
-   a row over its mass is a source that the projection leaves, in 1/s2. Times dt^2 this is the relative density error
+   a row over its weight is a source that the projection leaves, in 1/s2. Times dt^2 this is the relative density error
    that the step leaves, which -pressure_density_tolerance bounds. */
 #include "pressure_impl.h"
 
@@ -22,7 +22,7 @@ static PetscErrorCode Measure(Pressure pressure, Vec r, Vec x, ResidualSize *siz
   PetscCall(VecGetArrayRead(x, &value));
   PetscCall(VecGetArrayRead(pressure->solver.b, &rhs));
   for (PetscInt a = 0; a < cloud->n_rows; a++) {
-    const PetscReal density  = dt2 / (cloud->volume[a] * cloud->rest_density[a] * pressure->row_scale),
+    const PetscReal density  = dt2 / PressureRowWeight(pressure, a),
                     rounding = (pressure->pair_diagonal[a] + pressure->closure_diagonal[a]) * PetscAbsScalar(value[a]),
                     error    = density * PetscAbsScalar(residual[a]);
 
@@ -94,11 +94,11 @@ typedef struct {
 static PetscBool DensityNear(Pressure pressure, PetscReal norm)
 {
   const Cloud cloud    = pressure->cloud;
-  PetscReal   heaviest = 0; /* largest mass of a row, over that of a particle of the first body */
+  PetscReal   heaviest = 0; /* the largest weight of a row */
 
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++)
-    heaviest = PetscMax(heaviest, BodyMaterial(SceneBody(cloud->scene, b))->density);
-  heaviest *= cloud->volume_most * pressure->row_scale;
+    heaviest =
+      PetscMax(heaviest, RowWeight(pressure, cloud->volume_most, BodyMaterial(SceneBody(cloud->scene, b))->density));
   return (PetscBool) !(norm * PetscSqr(pressure->dt) >
                        pressure->density_tolerance * heaviest * PetscSqrtReal((PetscReal)pressure->rows_global));
 }

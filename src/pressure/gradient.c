@@ -1,8 +1,8 @@
 /* The acceleration -grad p/rho of the fluid.
 
      symmetric   -sum_b m_b (p_a/rho_a^2 + p_b/rho_b^2) grad W: Eq. (9) of Kuri et al., conserves momentum
-     corrected   -B_a sum_b V (p_b - p_a) grad W/rho_a and a background pressure inside, symmetric near the surface
-     conserved   corrected; neighbours compensate the momentum that differs from symmetric */
+     corrected   -B_a sum_b V (p_b - p_a) 2/(rho_a + rho_b) grad W and a background pressure inside, symmetric near the
+   surface conserved   corrected; neighbours compensate the momentum that differs from symmetric */
 #include "pressure_impl.h"
 
 /* The term against pairing over the background pressure; GradientCorrected gives the sources. */
@@ -23,27 +23,6 @@ static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscRea
     Simd3Add(PETSC_FALSE, &sum, SimdLoad(c + k), Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), p));
   }
   Vec4Store(Simd3Sum(sum, zero), out);
-}
-
-/* Adds the difference to Eq. (9) of pairs across the interface of immiscible liquids: the pressure jump, and the
-   density of a for both particles. Then a pressure that balances the surfaces accelerates nothing, for any
-   densities. */
-static void AddLiquid(Pressure pressure, PetscInt a, const PairRow *row, PetscReal scale, PetscReal out[DIM])
-{
-  const Cloud      cloud   = pressure->cloud;
-  const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE],
-                  *x  = cloud->field[FIELD_POSITION];
-  const PetscReal own = p[a] - 2 * pressure->outside[a], rho = density[a];
-
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = row->index[k];
-    PetscReal      c;
-
-    if (!CloudAcross(cloud, a, b)) continue;
-    c = (own + p[b] + CloudPressureJump(cloud, a, b, 1)) / rho -
-        rest[b] * (own / (rho * rho) + p[b] / (density[b] * density[b]));
-    for (PetscInt d = 0; d < DIM; d++) out[d] += scale * c * row->f[k] * (x[DIM * b + d] - x[DIM * a + d]);
-  }
 }
 
 /* Adds the acceleration by a slope of the pressure outside to that by Eq. (9). */
@@ -67,25 +46,35 @@ void PressureSlopeAcceleration(Pressure pressure, PetscInt a, const PetscReal sl
   for (PetscInt d = 0; d < DIM && !symmetric; d++) out[d] /= SurfaceSlope(pressure, a);
 }
 
-/* Eq. (9) for one row; scale: see RowScale. */
+/* Eq. (9) for one row; scale: see RowScale. Without summed densities -sum_b V (p_a + p_b) grad W/rho_a, which is the
+   same for one liquid. Where the density jumps, it conserves momentum, too, and pressures of any level that balance the
+   surfaces and interfaces accelerate nothing. */
 static void SymmetricRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal scale,
                          PetscReal out[DIM])
 {
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), *rest = cloud->rest_density, *p = cloud->field[FIELD_PRESSURE];
-  const PetscReal  own    = (p[a] - 2 * pressure->outside[a]) / (density[a] * density[a]);
   const PetscReal *slope  = pressure->outside_slope + DIM * a;
   const PetscInt   padded = PaddedLength(row->n);
-  PetscReal        c[ROW_CAPACITY + SIMD_WIDTH];
+  PetscReal        c[ROW_CAPACITY + SIMD_WIDTH], own = p[a] - 2 * pressure->outside[a], jump[DIM] = {0, 0, 0};
 
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < padded; k++) {
-    const PetscInt b = row->index[k];
+  if (pressure->summed) {
+    own /= density[a] * density[a];
+    for (PetscInt k = 0; k < padded; k++) {
+      const PetscInt b = row->index[k];
 
-    c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
+      c[k] = scale * rest[b] * (own + p[b] / (density[b] * density[b])) * row->f[k];
+    }
+  } else {
+    scale /= density[a];
+    SIMD_LOOP()
+    for (PetscInt k = 0; k < padded; k++) c[k] = scale * (own + p[row->index[k]]) * row->f[k];
   }
   SumAlong(cloud, a, row, c, out);
-  if (cloud->liquid && cloud->at_interface[a]) AddLiquid(pressure, a, row, scale, out);
+  if (cloud->liquid && cloud->at_interface[a]) {
+    JumpsSum(cloud, a, row, PETSC_FALSE, jump);
+    for (PetscInt d = 0; d < DIM; d++) out[d] += scale * jump[d];
+  }
   if (Dot(slope, slope) > 0) AddSlope(pressure, a, slope, out);
 }
 
@@ -113,10 +102,11 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -B_a sum V (p_b - p_a) grad W of one row. */
-static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscReal scale, PetscReal out[DIM])
+/* -B_a sum V (p_b - p_a) grad W of one row; 'mean': times rho_a over the mean density of both, as in the operator. */
+static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscBool mean, PetscReal scale,
+                         PetscReal out[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE], *rho = cloud->rest_density;
   const Simd3      place = Simd3Set(x + DIM * a);
   const Simd       zero = SimdSet(0), own = SimdSet(p[a]);
   Simd3            sum = {zero, zero, zero};
@@ -125,14 +115,16 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const SimdOffsets at = SimdLocate(row->index + k);
     const Simd3       d  = Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), place);
+    Simd              c  = (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k);
 
-    Simd3Add(PETSC_FALSE, &sum, (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k), d);
+    if (mean) c *= 2 * rho[a] / (rho[a] + SimdGather(rho, row->index + k));
+    Simd3Add(PETSC_FALSE, &sum, c, d);
   }
   g = scale * Simd3Sum(sum, zero);
   if (cloud->liquid && cloud->at_interface[a]) {
     PetscReal jump[DIM] = {0, 0, 0};
 
-    JumpsSum(cloud, a, row, jump);
+    JumpsSum(cloud, a, row, mean, jump);
     for (PetscInt d = 0; d < DIM; d++) g[d] += scale * jump[d];
   }
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
@@ -159,7 +151,8 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
   Cloud            cloud   = pressure->cloud;
   const PetscReal *density = PressureDensity(pressure), scale = RowScale(cloud),
                   factor = 2 * pressure->regularization * KernelSmoothingLength(cloud->kernel);
-  PairRow row;
+  const PetscBool mean   = (PetscBool)!SceneOneDensity(cloud->scene);
+  PairRow         row;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -173,7 +166,7 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
       const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
       PetscReal        g[DIM], background, against;
 
-      CorrectedRow(cloud, a, &row, scale, out);
+      CorrectedRow(cloud, a, &row, mean, scale, out);
       SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
       background = cloud->size[a] * factor * Norm(out);
       against    = PetscMax(PAIRING_MOVING * background,

@@ -69,16 +69,19 @@ void JumpsAdd(Pressure pressure, PetscScalar rhs[])
   }
 }
 
-void JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM])
+void JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscBool mean, PetscReal sum[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION];
+  const PetscReal *x = cloud->field[FIELD_POSITION], *rho = cloud->rest_density,
+                  *slope = cloud->pressure_jump_slope + DIM * a;
 
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = row->index[k];
-    PetscReal      c;
+    const PetscInt  b     = row->index[k];
+    const PetscReal share = mean ? 2 * rho[a] / (rho[a] + rho[b]) : 1;
+    PetscReal       r[DIM], c;
 
     if (!CloudAcross(cloud, a, b)) continue;
-    c = CloudPressureJump(cloud, a, b, 1) * row->f[k];
-    for (PetscInt d = 0; d < DIM; d++) sum[d] += c * (x[DIM * b + d] - x[DIM * a + d]);
+    for (PetscInt d = 0; d < DIM; d++) r[d] = x[DIM * b + d] - x[DIM * a + d];
+    c = (share * CloudPressureJump(cloud, a, b, 1) + (1 - share) * Dot(slope, r)) * row->f[k];
+    for (PetscInt d = 0; d < DIM; d++) sum[d] += c * r[d];
   }
 }

@@ -21,6 +21,11 @@ static PetscBool OneDensity(Pressure pressure)
   return (PetscBool)(!pressure->summed && SceneOneDensity(pressure->cloud->scene));
 }
 
+PetscReal PressureRowWeight(Pressure pressure, PetscInt a)
+{
+  return RowWeight(pressure, pressure->cloud->volume[a], pressure->cloud->rest_density[a]);
+}
+
 /* The weights of SIMD_WIDTH pairs of particle a, the neighbours 'index' with the cloud's factors 'coded'. radius: NULL,
    or the signed distances of rings from the axis, m; one: all have one density. See SetWeights. */
 static inline SimdSingle PairWeights(Pressure pressure, PetscBool one, const PetscReal radius[], PetscInt a,
@@ -39,7 +44,10 @@ static inline SimdSingle PairWeights(Pressure pressure, PetscBool one, const Pet
   if (!one) {
     const Simd sum = SimdSet(density[a]) + SimdGather(density, index);
 
-    weight *= __builtin_convertvector(rest[a] * 4 * SimdGather(rest, index) / (sum * sum), SimdSingle);
+    if (pressure->summed)
+      weight *= __builtin_convertvector(rest[a] * 4 * SimdGather(rest, index) / (sum * sum), SimdSingle);
+    else
+      weight *= __builtin_convertvector(2 * pressure->reference / sum, SimdSingle);
   }
   return weight * __builtin_convertvector(parts, SimdSingle);
 }
@@ -75,22 +83,23 @@ static inline PetscReal RowWeights(Pressure pressure, PetscBool one, const Petsc
   return SimdSum(sum);
 }
 
-/* Eq. (8) times m_a/m_ref: K_ab = m_a/m_ref m_b 8/(rho_a + rho_b)^2 (-r . grad W)/(r^2 + eta^2). The factor makes K_ab
-   symmetric, also between different liquids. m_ref is the mass of a particle of the first body. With one density
-   weight_scale has all but the cloud's factors. Rings: times the shares of both and the length of the ring half-way
-   between. With the exact length |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a
-   lattice, not by 5 %, and that of z^2 by 26 %, not by 2 %. */
+/* div(grad p/rho) times V_a/V_0: K_ab = V_a/V_0 V_b 4/(rho_a + rho_b) (-r . grad W)/(r^2 + eta^2), symmetric. Eq. (8),
+   with the summed density, has masses: m_a/m_ref m_b 8/(rho_a + rho_b)^2, m_ref that of a particle of the first body.
+   For one liquid at rest both are the same. Where the density jumps, the sums with masses are those of lap p: of 2000
+   under 1000 kg/m3 at rest, the first pressure was twice too large. With one density weight_scale has all but the
+   cloud's factors. Rings: times the shares of both and the length of the ring half-way between. With the exact length
+   |r| instead, the Laplacian of r^2 would be wrong by 8 % in the first ring of a lattice, not by 5 %, and that of z^2
+   by 26 %, not by 2 %. */
 static PetscErrorCode SetWeights(Pressure pressure)
 {
-  Cloud            cloud     = pressure->cloud;
-  const PetscReal  reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
-  const PetscInt64 count     = cloud->first[cloud->n_owned];
-  const PetscBool  one       = OneDensity(pressure);
+  Cloud            cloud = pressure->cloud;
+  const PetscInt64 count = cloud->first[cloud->n_owned];
+  const PetscBool  one   = OneDensity(pressure);
   PetscReal        scale_w, scale_f, inverse_h2, *radius;
 
   PetscFunctionBegin;
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  pressure->weight_scale = 2 * cloud->domain->volume / reference * scale_f * cloud->laplacian_unit;
+  pressure->weight_scale = 2 * cloud->domain->volume / pressure->reference * scale_f * cloud->laplacian_unit;
   pressure->own_weights  = (PetscBool)(CloudWeighs(cloud) || !one || cloud->pushing);
   if (!pressure->own_weights) PetscFunctionReturn(PETSC_SUCCESS);
   if (count + SIMD_WIDTH > pressure->weight_capacity) { /* rows are read and written in multiples of SIMD_WIDTH */
@@ -187,7 +196,8 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
     count[1] += pressure->pair_diagonal[r] == 0;
     /* A row without entries gets the diagonal of a full row: it may get pairs while the preconditioner is kept. */
     if (pressure->pair_diagonal[r] + pressure->closure_diagonal[r] == 0)
-      pressure->closure_diagonal[r] = pressure->lattice_diagonal * cloud->volume[r] * pressure->row_scale;
+      pressure->closure_diagonal[r] =
+        pressure->lattice_diagonal * PressureRowWeight(pressure, r) / PressureDensity(pressure)[r];
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, cloud->comm));
   /* Liquid without a free surface fills the whole box, since a gap would be a surface. So the null space is one

@@ -152,7 +152,7 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   PetscCall(CheckMatrixType(pressure));
   if (pressure->relaxation_option > 0) pressure->relaxation_time = pressure->relaxation_option;
   PressureLattice(cloud, &pressure->lattice_diagonal, &pressure->lattice_sum);
-  pressure->row_scale = 1 / (cloud->domain->volume * BodyMaterial(SceneBody(cloud->scene, 0))->density);
+  pressure->reference = BodyMaterial(SceneBody(cloud->scene, 0))->density;
   KernelHalfSpace(cloud->kernel, 0, &pressure->surface_plane, NULL);
   KernelSurfaceTable(cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
   SurfaceLattice(pressure);
@@ -244,11 +244,6 @@ PetscInt PressureRow(Pressure pressure, PetscInt a)
   const PetscInt row = PressureParent(pressure, a);
 
   return pressure->pair_diagonal[row] == 0 ? -1 : row;
-}
-
-PetscReal PressureRowScale(Pressure pressure)
-{
-  return pressure->row_scale;
 }
 
 const PetscReal *PressureClosure(Pressure pressure)

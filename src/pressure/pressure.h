@@ -4,8 +4,8 @@
 
    Three types that can be chosen independently make a projection: the source (source.c), the closure at the free
    surface (closure.c) and the gradient (gradient.c). The operator is symmetric and positive: rows are multiplied with
-   the mass, and deeper wall particles are folded into their parent (P^T A P). Pairs of wall particles are left out, so
-   that a wall conducts no pressure along itself. Rows of a dry wall are identity rows. */
+   the volume, and deeper wall particles are folded into their parent (P^T A P). Pairs of wall particles are left out,
+   so that a wall conducts no pressure along itself. Rows of a dry wall are identity rows. */
 #ifndef ISPH_PRESSURE_H
 #define ISPH_PRESSURE_H
 
@@ -104,7 +104,7 @@ void PressureSlopeAcceleration(Pressure pressure, PetscInt a, const PetscReal sl
 /* PressureRelaxationTime - the time (s) in which density errors are corrected. Not collective. */
 PetscReal PressureRelaxationTime(Pressure pressure);
 /* Something that the pressures move and whose motion changes the divergence of some rows, as a body that floats or a
-   pocket of gas does. With c the divergence of the rows, times their masses, for each unit motion and M the inertia,
+   pocket of gas does. With c the divergence of the rows, times their weights, for each unit motion and M the inertia,
    the operator gets the term L = c M^-1 c^T of low rank, symmetric; the preconditioner is that of the operator without
    it. A pressure outside that is known, as that
    of an outlet is, adds to the right side alone. Any hook may be NULL. All are collective. */
@@ -128,9 +128,10 @@ typedef struct {
 
 /* PressureAddLowRank - adds a term to the equations to come; what is given must last as long as they. PressureParent -
    the local row of owned particle a, that of its parent for a deeper wall particle; PressureRow - the same; -1: it has
-   no pairs. PressureRowScale - the masses (kg) of the rows count times this (1/kg). Not collective. PressureNumber -
-   finds the rows of the cloud's present order, which PressureParent needs before a solve. PressureLoad, PressureYield -
-   the hooks of all terms; PressureYields - whether a term has 'yield'. Collective. */
+   no pairs. PressureRowWeight - the factor (1) of the row of particle a: its volume over that on the
+   lattice, or with summed densities its mass over that of a particle of the first body. Not collective. PressureNumber
+   - finds the rows of the cloud's present order, which PressureParent needs before a solve. PressureLoad, PressureYield
+   - the hooks of all terms; PressureYields - whether a term has 'yield'. Collective. */
 PetscErrorCode PressureAddLowRank(Pressure pressure, const LowRank *term, void *context);
 PetscErrorCode PressureLoad(Pressure pressure, PetscReal force[]);
 PetscErrorCode PressureYield(Pressure pressure, const PetscReal force[], PetscReal acceleration[], PetscReal y[]);
@@ -138,7 +139,7 @@ PetscBool      PressureYields(Pressure pressure);
 PetscErrorCode PressureNumber(Pressure pressure);
 PetscInt       PressureParent(Pressure pressure, PetscInt a);
 PetscInt       PressureRow(Pressure pressure, PetscInt a);
-PetscReal      PressureRowScale(Pressure pressure);
+PetscReal      PressureRowWeight(Pressure pressure, PetscInt a);
 /* PressureCloses - whether the row of fluid particle a is near a free surface, so that it may be closed.
    PressureClosure
    - the closures of the last solve, [n_rows], zero in rows that are not closed. PressureStep - the step (s) of the

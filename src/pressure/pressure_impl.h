@@ -83,10 +83,8 @@ struct _p_Pressure {
   PetscReal *outside;        /* [n_fluid] Pa, outside the free surface, while the gradient is computed */
   PetscReal *outside_slope;  /* [n_fluid][3] Pa/m, its gradient along the surface */
 
-  /* Eq. (8) as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, 1/kg m3/m2. Rows are
-     multiplied with the mass of their particle times row_scale, the reciprocal of the mass of a particle of the first
-     body. */
-  PetscReal  row_scale; /* 1/kg */
+  /* The operator as the sum of pairs: K_ab = weight_scale PairWeight(k) of pair k of the cloud's list, m/kg. */
+  PetscReal  reference; /* kg/m3, rest density of the first body */
   PetscReal  weight_scale;
   PetscBool  own_weights; /* densities or volumes differ: pairs have pair_weight, not the cloud's laplacian */
   float     *pair_weight;
@@ -140,6 +138,12 @@ static inline PetscReal PairWeight(Pressure pressure, PetscInt64 k)
   return pressure->own_weights ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
 }
 
+/* The factor (1) of the row of a particle with this volume (m3) and rest density (kg/m3): see PressureRowWeight. */
+static inline PetscReal RowWeight(Pressure pressure, PetscReal volume, PetscReal rest)
+{
+  return volume / pressure->cloud->domain->volume * (pressure->summed ? rest / pressure->reference : 1);
+}
+
 /* The local row of the parent of particle a of a deeper wall layer, n_rows <= a < n_owned; after RowsNumber. */
 static inline PetscInt ParentRow(Pressure pressure, PetscInt a)
 {
@@ -175,10 +179,12 @@ PetscErrorCode OperatorSetUp(Pressure pressure);
 /* JumpsSetUp - gives wall particles, ghosts too, the liquid that they touch and its pressure jump; after
    RowsNumber. Collective. JumpsAdd - adds the contribution of the jumps to the right-hand side ([n_rows]), after
    OperatorSetUp. JumpsSum - adds to 'sum' the jumps between particle a and its neighbours of the other liquid,
-   times the row's factor and x_b - x_a. All do nothing if liquids mix. Not collective. */
+   times the row's factor and x_b - x_a; 'mean': where the pressure's difference counts rho_a over the mean density of
+   both, but for the slope of the jump. All do nothing if liquids
+   mix. Not collective. */
 PetscErrorCode JumpsSetUp(Pressure pressure);
 void           JumpsAdd(Pressure pressure, PetscScalar rhs[]);
-void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscReal sum[DIM]);
+void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscBool mean, PetscReal sum[DIM]);
 
 /* SetConvergence - sets the solver's test, after its options are read: it stops at density_tolerance, or else at
    -ksp_rtol and -ksp_atol in the 2-norm of the residual. Collective. */

@@ -265,7 +265,7 @@ static void AddCapillary(Pressure pressure, PetscScalar rhs[])
   JumpsAdd(pressure, rhs);
 }
 
-/* The right-hand side b, after OperatorSetUp: the source times the mass of the row, plus the contribution of the free
+/* The right-hand side b, after OperatorSetUp: the source times the weight of the row, plus the contribution of the free
    surface, where missing neighbours have the pressure of surface tension. */
 static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
 {
@@ -276,8 +276,7 @@ static PetscErrorCode SetRightHandSide(Pressure pressure, PetscReal dt)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(VecGetArrayWrite(pressure->solver.b, &rhs));
   PetscCall(pressure->source(pressure, dt, rhs));
-  for (PetscInt r = 0; r < cloud->n_rows; r++)
-    rhs[r] *= cloud->volume[r] * cloud->rest_density[r] * pressure->row_scale;
+  for (PetscInt r = 0; r < cloud->n_rows; r++) rhs[r] *= PressureRowWeight(pressure, r);
   AddCapillary(pressure, rhs);
   for (PetscInt k = 0; k < pressure->low_ranks; k++)
     if (pressure->low_rank[k].term->right_side)

@@ -22,7 +22,7 @@
   "a -a_density 900 -pressure_regularization 0.3 "
 
 static PetscErrorCode Open(const char options[], const char source[], const char closure[], const char gradient[],
-                           Setup *s)
+                           PetscBool summed, Setup *s)
 {
   PetscFunctionBegin;
   PetscCall(SetupPack(options, s));
@@ -31,7 +31,7 @@ static PetscErrorCode Open(const char options[], const char source[], const char
   PetscCall(PetscArrayzero(s->cloud->field[FIELD_CAPILLARY_SLOPE], DIM * s->cloud->n_owned));
   PetscCall(PetscArrayzero(s->cloud->field[FIELD_DIVERGENCE], s->cloud->n_owned));
   PetscCall(PressureCreate(s->cloud, &s->pressure));
-  PetscCall(PressureSetTypes(s->pressure, source, closure, gradient, PETSC_FALSE));
+  PetscCall(PressureSetTypes(s->pressure, source, closure, gradient, summed));
   PetscCall(PressureSetFromOptions(s->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -78,9 +78,9 @@ static PetscReal Compression(PetscInt id)
   return 0.01 * (id % 5 - 2);
 }
 
-/* Eq. (8) from densities; walls push only. The rows of the equation have the mass of their particle over that of the
-   first liquid's. */
-static PetscErrorCode TestDensity(void)
+/* Eq. (8) from densities; walls push only. The rows of the equation have the volume of their particle, and with
+   summed densities its mass over that of the first liquid's. */
+static PetscErrorCode TestDensity(PetscBool summed)
 {
   const PetscScalar *b;
   PetscReal         *rhs, fluid = 0, walls = 0, rows = 0;
@@ -89,7 +89,7 @@ static PetscErrorCode TestDensity(void)
   Setup              s;
 
   PetscFunctionBegin;
-  PetscCall(Open(POOL, SOURCE_DENSITY, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+  PetscCall(Open(POOL, SOURCE_DENSITY, CLOSURE_FULL, GRADIENT_SYMMETRIC, summed, &s));
   for (PetscInt a = 0; a < s.cloud->n_total; a++)
     s.cloud->field[FIELD_DENSITY][a] = s.cloud->rest_density[a] * (1 + Compression(s.cloud->integer[INT_ID][a]));
   PetscCall(PetscMalloc1(s.cloud->n_rows, &rhs));
@@ -102,7 +102,7 @@ static PetscErrorCode TestDensity(void)
 
     if (a < s.cloud->n_fluid) {
       fluid = PetscMax(fluid, PetscAbsReal(rhs[a] - compression / (DT * DT)));
-      rows  = PetscMax(rows, PetscAbsReal(b[a] - rhs[a] * (body ? 600. / 900. : 1)));
+      rows  = PetscMax(rows, PetscAbsReal(b[a] - rhs[a] * (summed && body ? 600. / 900. : 1)));
     } else
       walls = PetscMax(walls, PetscAbsReal(rhs[a] - PetscMax(0, compression) / (DT * DT)));
   }
@@ -110,7 +110,8 @@ static PetscErrorCode TestDensity(void)
   PetscCall(PetscFree(rhs));
   CHECK_CLOSE(SetupMax(fluid), 0, 1e-6, "density_source_of_the_fluid"); /* of 2e4 1/s2 */
   CHECK_CLOSE(SetupMax(walls), 0, 1e-6, "density_source_of_walls_pushes_only");
-  CHECK_CLOSE(SetupMax(rows), 0, 1e-6, "rows_have_the_mass_of_their_liquid");
+  CHECK_CLOSE(SetupMax(rows), 0, 1e-6,
+              summed ? "rows_have_the_mass_of_their_liquid" : "rows_have_the_volume_of_their_particle");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,7 +143,7 @@ static PetscErrorCode TestDivergence(PetscBool steps, PetscBool held)
   PetscCall(Open(held    ? POOL HOSE "-pressure_relaxation_time 0.02"
                  : steps ? POOL "-pressure_relaxation_time 1e-9"
                          : POOL "-pressure_relaxation_time 0.02",
-                 SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+                 SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE, &s));
   PetscCall(PetscCalloc2(s.cloud->n_rows, &rhs, s.cloud->n_rows, &due));
   for (PetscInt a = 0; a < s.cloud->n_owned; a++) {
     const PetscInt   id   = s.cloud->integer[INT_ID][a];
@@ -189,7 +190,7 @@ static PetscErrorCode TestCapillary(const char closure[], const char gradient[])
   Setup           s;
 
   PetscFunctionBegin;
-  PetscCall(Open(DROP, SOURCE_DIVERGENCE, closure, gradient, &s));
+  PetscCall(Open(DROP, SOURCE_DIVERGENCE, closure, gradient, PETSC_FALSE, &s));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CAPILLARY][a] = sigma_kappa;
   PetscCall(PressureSolve(s.pressure, DT, &result));
   PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
@@ -218,7 +219,7 @@ static PetscErrorCode Closed(PetscReal lambda, PetscReal normal, PetscReal sum[3
   Setup              s;
 
   PetscFunctionBegin;
-  PetscCall(Open(DROP, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, &s));
+  PetscCall(Open(DROP, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE, &s));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     s.cloud->field[FIELD_LAMBDA][a] = lambda;
     for (PetscInt k = 0; k < DIM; k++) s.cloud->field[FIELD_NORMAL][DIM * a + k] *= normal;
@@ -276,7 +277,7 @@ static PetscErrorCode TestGradient(PetscReal g, PetscReal against, const char na
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(text, sizeof(text), ROUND "-gravity 0,%g", (double)-g));
-  PetscCall(Open(text, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, &s));
+  PetscCall(Open(text, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE, &s));
   for (PetscInt a = 0; a < s.cloud->n_total; a++) {
     s.cloud->field[FIELD_PRESSURE][a] = Dot(G, s.cloud->field[FIELD_POSITION] + DIM * a);
     for (PetscInt d = 0; d < DIM; d++) {
@@ -297,10 +298,64 @@ static PetscErrorCode TestGradient(PetscReal g, PetscReal against, const char na
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The mean acceleration by the pressure over g, of two liquids over each other in a tank, disordered and pulled down by
+   g in one step. */
+static PetscErrorCode Held(PetscReal low, PetscReal high, PetscReal held[2])
+{
+  const PetscReal g      = 9.81;
+  PetscReal       sum[2] = {0, 0}, count[2] = {0, 0}, *acceleration, *v;
+  char            options[1024];
+  PressureResult  result;
+  Setup           s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options),
+                          "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 16,40 -box_x periodic -box_ymin wall "
+                          "-bodies a,b -a_density %g -a_upper 16,10 -b_density %g -b_lower 0,10 -b_upper 16,25 "
+                          "-pressure_relaxation_time 1e30 -ksp_rtol 1e-8 ",
+                          (double)low, (double)high));
+  PetscCall(Open(options, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE, &s));
+  v = s.cloud->field[FIELD_VELOCITY_STAR];
+  PetscCall(PetscArrayzero(v, DIM * s.cloud->n_owned));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) v[DIM * a + 1] = -DT * g;
+  PetscCall(SetupDivergence(&s));
+  PetscCall(PressureSolve(s.pressure, DT, &result));
+  PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
+  PetscCall(PressureAcceleration(s.pressure, acceleration));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    sum[s.cloud->integer[INT_BODY][a]] += acceleration[DIM * a + 1] / g;
+    count[s.cloud->integer[INT_BODY][a]]++;
+  }
+  PetscCall(CloudRestoreWork(s.cloud, &acceleration));
+  for (PetscInt body = 0; body < 2; body++) held[body] = SetupSum(sum[body]) / SetupSum(count[body]);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The pressure of one step holds two liquids like one, whichever is below. */
+static PetscErrorCode TestAtRest(PetscReal low, PetscReal high)
+{
+  PetscReal one[2], two[2];
+  char      name[96];
+
+  PetscFunctionBegin;
+  PetscCall(Held(low, low, one));
+  PetscCall(Held(low, high, two));
+  for (PetscInt body = 0; body < 2; body++) {
+    PetscCall(PetscSNPrintf(name, sizeof(name), "%d_%s_of_%d_is_held", (int)(body ? high : low),
+                            body ? "above" : "below", (int)(body ? low : high)));
+    CHECK_CLOSE(two[body], one[body], 0.01, name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
-  PetscCall(TestDensity());
+  PetscCall(TestDensity(PETSC_FALSE));
+  PetscCall(TestDensity(PETSC_TRUE));
+  PetscCall(TestAtRest(2000, 1000));
+  PetscCall(TestAtRest(1000, 2000));
   PetscCall(TestDivergence(PETSC_FALSE, PETSC_FALSE));
   PetscCall(TestDivergence(PETSC_TRUE, PETSC_FALSE));
   PetscCall(TestDivergence(PETSC_FALSE, PETSC_TRUE));
