@@ -5,74 +5,152 @@
    two terms: 2 p_a B_a sum V_b grad W, and the sum over pairs of fluid that does not cancel because B_a differs from
    B_b. Inside the liquid the remainder sums to zero. At a wall, where it is 3 % of the weight of a film ten spacings
    deep, it acts on the wall: the dummy particles around a receive it in proportion to their W'. Liquid that pushes is
-   like a wall. */
+   like a wall.
+
+   A pressure that is the same everywhere does not push a solid that liquid surrounds. The sums give it a force of some
+   percent of that pressure over its cross-section, where particles are as uneven as around a solid that moves. So the
+   pressures around such a solid count less their mean. */
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-/* V_a V_b (p_a + p_b) F, of rings times the length of the ring half-way between. */
-static PetscReal PairForce(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
+#define FRONT 1.25 /* spacings, from a dummy particle of the first layer to what is in front of its solid */
+
+/* The mean pressure (Pa) of the liquid next to each solid that it surrounds; 0 for others. */
+typedef struct {
+  PetscReal of[SCENE_MAX_BODIES];
+} Levels;
+
+/* Whether nothing is in front of owned dummy particle b of a solid, or something else than liquid. Particles of deeper
+   layers have their own solid there. */
+static PetscBool IsDry(Cloud cloud, PetscInt b)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE];
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * b, *n = cloud->solid_normal + DIM * b,
+                  d0 = cloud->domain->spacing * cloud->size[b];
+  PetscReal front[DIM], y[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) front[d] = x[d] + FRONT * d0 * n[d];
+  if (BodyNearest(SceneSolid(cloud->scene, BODY_SOLID - cloud->integer[INT_BODY][b]), front, y) < 0) return PETSC_FALSE;
+  for (PetscInt64 k = cloud->first[b]; k < cloud->first[b + 1]; k++) {
+    const PetscInt a = cloud->list[k];
+    PetscReal      r[DIM];
+
+    for (PetscInt d = 0; d < DIM; d++) r[d] = cloud->field[FIELD_POSITION][DIM * a + d] - front[d];
+    DomainNearest(cloud->domain, r);
+    if (!CloudBounds(cloud, a) && Norm(r) < d0) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+static PetscErrorCode FindLevels(Cloud cloud, Levels *levels)
+{
+  const PetscInt solids                    = SceneSolidCount(cloud->scene);
+  PetscReal      sum[3 * SCENE_MAX_BODIES] = {0}; /* weights, pressures, dry particles of the first layer */
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(levels->of, SCENE_MAX_BODIES));
+  if (!solids) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+    const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
+
+    if (solid < 0 || cloud->integer[INT_LAYER][b] != 1) continue; /* of solids that move, all are of layer 1 */
+    sum[3 * solid] += cloud->volume[b];
+    sum[3 * solid + 1] += cloud->volume[b] * cloud->field[FIELD_PRESSURE][b];
+    sum[3 * solid + 2] += IsDry(cloud, b);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(3 * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
+  for (PetscInt s = 0; s < solids; s++)
+    if (sum[3 * s] > 0 && sum[3 * s + 2] == 0) levels->of[s] = sum[3 * s + 1] / sum[3 * s];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The level for component d of the force on particle b. Behind a mirror and around the axis the rest of the solid takes
+   up what a level does. */
+static PetscReal LevelOf(Cloud cloud, const Levels *levels, PetscInt b, PetscInt d)
+{
+  const PetscInt solid = BODY_SOLID - cloud->integer[INT_BODY][b];
+
+  if (solid < 0 || cloud->domain->face[d][0] == FACE_SYMMETRY || cloud->domain->face[d][1] == FACE_SYMMETRY) return 0;
+  return levels->of[solid];
+}
+
+/* V_a V_b F, of rings times the length of the ring half-way between. */
+static PetscReal PairArea(Cloud cloud, PetscInt a, const PairRow *row, PetscInt k)
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
   const PetscInt   b = row->index[k];
 
   return cloud->weight[a] * (cloud->weight[b] * PetscSqr(cloud->domain->volume)) *
-         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * (p[a] + p[b]) * row->F[k];
+         DomainPairLength(cloud->domain, x + DIM * a, x + DIM * b) * row->F[k];
 }
 
-/* The force of fluid particle a on the walls beyond its pairs with dummy particles. */
-static void FindRemainder(Cloud cloud, PetscInt a, const PairRow *row, PetscReal remainder[DIM])
+/* The force of fluid particle a on the walls beyond its pairs with dummy particles; that of a pressure of 1 everywhere
+   in 'one'. */
+static void FindRemainder(Cloud cloud, PetscInt a, const PairRow *row, PetscReal remainder[DIM], PetscReal one[DIM])
 {
-  const PetscReal *B = cloud->field[FIELD_CORRECTION], *normal = cloud->field[FIELD_NORMAL] + DIM * a;
+  const PetscReal *B = cloud->field[FIELD_CORRECTION], *normal = cloud->field[FIELD_NORMAL] + DIM * a,
+                  *p = cloud->field[FIELD_PRESSURE];
 
-  TensorApply(B + 6 * a, normal[0], normal[1], normal[2], remainder);
-  for (PetscInt d = 0; d < DIM; d++) remainder[d] *= -2 * cloud->volume[a] * cloud->field[FIELD_PRESSURE][a];
+  TensorApply(B + 6 * a, normal[0], normal[1], normal[2], one);
+  for (PetscInt d = 0; d < DIM; d++) {
+    one[d] *= -2 * cloud->volume[a];
+    remainder[d] = p[a] * one[d];
+  }
   for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b = row->index[k];
-    const PetscReal c = 0.5 * PairForce(cloud, a, row, k);
-    PetscReal       difference[6], part[DIM];
+    const PetscInt b = row->index[k];
+    PetscReal      difference[6], part[DIM];
 
     if (CloudBounds(cloud, b)) continue;
-    for (PetscInt e = 0; e < 6; e++) difference[e] = B[6 * a + e] - B[6 * b + e];
+    for (PetscInt e = 0; e < 6; e++) difference[e] = 0.5 * PairArea(cloud, a, row, k) * (B[6 * a + e] - B[6 * b + e]);
     TensorApply(difference, row->dx[k], row->dy[k], row->dz[k], part);
-    for (PetscInt d = 0; d < DIM; d++) remainder[d] += c * part[d];
+    for (PetscInt d = 0; d < DIM; d++) {
+      one[d] += 2 * part[d];
+      remainder[d] += (p[a] + p[b]) * part[d];
+    }
   }
 }
 
 /* Adds the force of fluid particle a on the dummy particles around it. */
-static void AddRow(Cloud cloud, PetscBool corrected, PetscInt a, const PairRow *row, PetscReal force[])
+static void AddRow(Cloud cloud, const Levels *levels, PetscBool corrected, PetscInt a, const PairRow *row,
+                   PetscReal force[])
 {
-  const PetscReal  identity[6]    = {1, 1, 1, 0, 0, 0};
+  const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0}, *p = cloud->field[FIELD_PRESSURE];
   const PetscReal *B              = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
-  PetscReal        remainder[DIM] = {0, 0, 0}, sum = 0;
+  PetscReal        remainder[DIM] = {0, 0, 0}, one[DIM] = {0, 0, 0}, sum = 0;
 
   for (PetscInt k = 0; k < row->n; k++) sum += CloudBounds(cloud, row->index[k]) ? row->F[k] : 0;
   if (sum == 0) return;
-  if (corrected) FindRemainder(cloud, a, row, remainder);
+  if (corrected) FindRemainder(cloud, a, row, remainder, one);
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
     PetscReal      c, part[DIM];
 
     if (!CloudBounds(cloud, b)) continue;
-    c = PairForce(cloud, a, row, k);
+    c = PairArea(cloud, a, row, k);
     TensorApply(B, row->dx[k], row->dy[k], row->dz[k], part);
-    for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += c * part[d] + remainder[d] * row->F[k] / sum;
+    for (PetscInt d = 0; d < DIM; d++) {
+      const PetscReal level = LevelOf(cloud, levels, b, d);
+
+      force[DIM * b + d] += c * (p[a] + p[b] - 2 * level) * part[d] + (remainder[d] - level * one[d]) * row->F[k] / sum;
+    }
   }
 }
 
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
+  Levels           levels;
   PairRow          row;
 
   PetscFunctionBegin;
   if (corrected) PetscCall(CloudUpdate(cloud, FIELD_CORRECTION));
+  PetscCall(FindLevels(cloud, &levels));
   PetscCall(PetscArrayzero(force, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     if (CloudPushes(cloud, a) || !(cloud->pushing || OperatorsNearWall(cloud, x + DIM * a))) continue;
     PairRowLoadGeometry(cloud, x, a, &row);
     PairRowGradient(cloud, a, &row);
     /* near the free surface the gradient is not corrected */
-    AddRow(cloud, (PetscBool)(corrected && cloud->integer[INT_SURFACE][a] == 0), a, &row, force);
+    AddRow(cloud, &levels, (PetscBool)(corrected && cloud->integer[INT_SURFACE][a] == 0), a, &row, force);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
