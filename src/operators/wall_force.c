@@ -20,31 +20,35 @@ typedef struct {
   PetscReal of[SCENE_MAX_BODIES];
 } Levels;
 
-/* Whether nothing is in front of owned dummy particle b of a solid, or something else than liquid. Particles of deeper
-   layers have their own solid there. */
-static PetscBool IsDry(Cloud cloud, PetscInt b)
+/* Whether the solid of owned dummy particle b is bare there: a wall or another solid touches it, or no liquid is in
+   front. Particles of deeper layers have their own solid in front. */
+static PetscBool IsBare(Cloud cloud, PetscInt b)
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * b, *n = cloud->solid_normal + DIM * b,
-                  d0 = cloud->domain->spacing * cloud->size[b];
-  PetscReal front[DIM], y[DIM];
+  const PetscInt   body = cloud->integer[INT_BODY][b];
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * b, d0 = cloud->domain->spacing * cloud->size[b];
+  PetscReal        front[DIM], y[DIM];
+  PetscBool        wet;
 
-  for (PetscInt d = 0; d < DIM; d++) front[d] = x[d] + FRONT * d0 * n[d];
-  if (BodyNearest(SceneSolid(cloud->scene, BODY_SOLID - cloud->integer[INT_BODY][b]), front, y) < 0) return PETSC_FALSE;
+  for (PetscInt d = 0; d < DIM; d++) front[d] = x[d] + FRONT * d0 * cloud->solid_normal[DIM * b + d];
+  wet = (PetscBool)(BodyNearest(SceneSolid(cloud->scene, BODY_SOLID - body), front, y) < 0);
   for (PetscInt64 k = cloud->first[b]; k < cloud->first[b + 1]; k++) {
-    const PetscInt a = cloud->list[k];
-    PetscReal      r[DIM];
+    const PetscInt  a      = cloud->list[k];
+    const PetscBool liquid = (PetscBool)!CloudBounds(cloud, a);
+    PetscReal       r[DIM];
 
-    for (PetscInt d = 0; d < DIM; d++) r[d] = cloud->field[FIELD_POSITION][DIM * a + d] - front[d];
+    if (!liquid && cloud->integer[INT_BODY][a] == body) continue;
+    for (PetscInt d = 0; d < DIM; d++) r[d] = cloud->field[FIELD_POSITION][DIM * a + d] - (liquid ? front[d] : x[d]);
     DomainNearest(cloud->domain, r);
-    if (!CloudBounds(cloud, a) && Norm(r) < d0) return PETSC_FALSE;
+    if (!liquid && Norm(r) < FRONT * d0) return PETSC_TRUE;
+    wet = (PetscBool)(wet || (liquid && Norm(r) < d0));
   }
-  return PETSC_TRUE;
+  return (PetscBool)!wet;
 }
 
 static PetscErrorCode FindLevels(Cloud cloud, Levels *levels)
 {
   const PetscInt solids                    = SceneSolidCount(cloud->scene);
-  PetscReal      sum[3 * SCENE_MAX_BODIES] = {0}; /* weights, pressures, dry particles of the first layer */
+  PetscReal      sum[3 * SCENE_MAX_BODIES] = {0}; /* weights, pressures, bare particles */
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(levels->of, SCENE_MAX_BODIES));
@@ -55,7 +59,7 @@ static PetscErrorCode FindLevels(Cloud cloud, Levels *levels)
     if (solid < 0 || cloud->integer[INT_LAYER][b] != 1) continue; /* of solids that move, all are of layer 1 */
     sum[3 * solid] += cloud->volume[b];
     sum[3 * solid + 1] += cloud->volume[b] * cloud->field[FIELD_PRESSURE][b];
-    sum[3 * solid + 2] += IsDry(cloud, b);
+    sum[3 * solid + 2] += IsBare(cloud, b);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(3 * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt s = 0; s < solids; s++)

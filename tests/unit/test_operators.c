@@ -619,6 +619,54 @@ static PetscErrorCode TestWallDensities(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The force (N) along y of a pressure c + y on a ball in disordered liquid; with 'stands' the ball is cut off below and
+   stands on the floor, at y = 0. */
+static PetscErrorCode BallForce(const char space[], PetscBool stands, PetscReal c, PetscReal *force)
+{
+  char       options[1024];
+  PetscReal *on, sum = 0;
+  Setup      s;
+
+  PetscFunctionBegin;
+  PetscCall(
+    PetscSNPrintf(options, sizeof(options),
+                  "-packing_jitter 0.3 -spacing 1 -box_lower 0,0 -box_upper 24,40 -bodies a -box_xmax wall -box_y "
+                  "wall -solids ball -ball_shape sphere -ball_radius 7 -ball_center 0,%g %s",
+                  stands ? 3.5 : 20, space));
+  PetscCall(SetupPackOn(PETSC_COMM_WORLD, options, &s));
+  PetscCall(SetupMoments(&s));
+  for (PetscInt a = 0; a < s.cloud->n_total; a++)
+    s.cloud->field[FIELD_PRESSURE][a] = c + s.cloud->field[FIELD_POSITION][DIM * a + 1];
+  PetscCall(CloudGetWork(s.cloud, DIM, &on));
+  PetscCall(OperatorsWallForce(s.cloud, PETSC_TRUE, on));
+  for (PetscInt b = s.cloud->n_fluid; b < s.cloud->n_total; b++)
+    if (s.cloud->integer[INT_BODY][b] <= BODY_SOLID) sum += on[DIM * b + 1];
+  PetscCall(CloudRestoreWork(s.cloud, &on));
+  *force = SetupSum(sum);
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The level of the pressure does not push a solid that liquid surrounds; it holds down one that stands on the floor. */
+static PetscErrorCode TestLevel(const char space[], PetscReal volume, PetscReal base, const char label[])
+{
+  PetscReal low, high;
+  char      name[64];
+
+  PetscFunctionBegin;
+  PetscCall(BallForce(space, PETSC_FALSE, 0, &low));
+  PetscCall(BallForce(space, PETSC_FALSE, 1e5, &high));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "slope_on_a_ball_%s", label));
+  CHECK_CLOSE(low / volume, -1, 0.03, name);
+  PetscCall(PetscSNPrintf(name, sizeof(name), "level_on_a_ball_%s", label));
+  CHECK_CLOSE((high - low) / volume, 0, 1e-6, name);
+  PetscCall(BallForce(space, PETSC_TRUE, 0, &low));
+  PetscCall(BallForce(space, PETSC_TRUE, 1e5, &high));
+  PetscCall(PetscSNPrintf(name, sizeof(name), "level_on_a_ball_that_stands_%s", label));
+  CHECK_CLOSE((high - low) / 1e5 / base, -1, 0.1, name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -633,6 +681,8 @@ int main(int argc, char **argv)
   PetscCall(TestNoSlip());
   PetscCall(TestWallDensities());
   PetscCall(TestTension());
+  PetscCall(TestLevel("-dimension 2 -box_xmin symmetry", 0.5 * PETSC_PI * 49, 7 * PetscSqrtReal(0.75), "2d"));
+  PetscCall(TestLevel("-dimension axisymmetric", 4 * PETSC_PI / 3 * 343, PETSC_PI * 0.75 * 49, "rings"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
