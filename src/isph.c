@@ -227,6 +227,7 @@ int IsphRun(Isph run, double end)
 
   if (code) return code;
   if (SimIsDry(run->sim)) RETURN_CALL(run, SimDryRun(run->sim));
+  if (SimMeasures(run->sim)) RETURN_CALL(run, SimMeasure(run->sim));
   SimSetEnd(run->sim, (PetscReal)end);
   while (!code && !SimEnded(run->sim)) code = IsphStep(run, end);
   if (!code) {

@@ -124,10 +124,11 @@ PetscErrorCode    OptionsForget(void);
 
 /* OptionsAll - whether the options of all types are wanted, chosen by the scene or not: -help without -dump_options, a
    word of help, or -options_json. Not collective. */
-#define DUMP_OPTION  "-dump_options"
-#define LIST_OPTION  "-options_json"
-#define SCENE_OPTION "-scene_json"
-#define HELP_OPTION  "-help_on"
+#define DUMP_OPTION    "-dump_options"
+#define LIST_OPTION    "-options_json"
+#define SCENE_OPTION   "-scene_json"
+#define HELP_OPTION    "-help_on"
+#define MEASURE_OPTION "-measure"
 PetscBool OptionsAll(void);
 
 #endif

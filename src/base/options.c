@@ -168,6 +168,27 @@ static PetscErrorCode NameFiles(MPI_Comm comm, int *argc, char ***argv)
   return PETSC_SUCCESS;
 }
 
+/* Names options.opts of the folder that -measure names, before all others. The new list is never freed. */
+static PetscErrorCode NameMeasured(MPI_Comm comm, int *argc, char ***argv)
+{
+  static char key[] = KEY, file[PETSC_MAX_PATH_LEN];
+  char      **longer;
+  int         k = 1;
+
+  while (k < *argc - 1 && strcmp((*argv)[k], MEASURE_OPTION)) k++;
+  if (k >= *argc - 1) return PETSC_SUCCESS;
+  longer = malloc((size_t)(*argc + 3) * sizeof(*longer));
+  if (!longer || snprintf(file, sizeof(file), "%s/options.opts", (*argv)[k + 1]) >= (int)sizeof(file))
+    return UserError(comm, "the name of the folder of " MEASURE_OPTION " is too long");
+  longer[0] = (*argv)[0];
+  longer[1] = key;
+  longer[2] = file;
+  for (k = 1; k <= *argc; k++) longer[k + 2] = (*argv)[k];
+  *argc += 2;
+  *argv = longer;
+  return PETSC_SUCCESS;
+}
+
 int WordsSplit(const char text[], char ***word)
 {
   const size_t length = strlen(text);
@@ -207,7 +228,7 @@ PetscErrorCode CommandLineCheck(MPI_Comm comm, int *argc, char ***argv, PetscBoo
 
   *stop = PETSC_FALSE;
   (void)MPI_Comm_rank(comm, &rank);
-  if (NameFiles(comm, argc, argv)) return ISPH_USER_ERROR;
+  if (NameFiles(comm, argc, argv) || NameMeasured(comm, argc, argv)) return ISPH_USER_ERROR;
   for (int k = 1; k < *argc; k++) {
     char *word = (*argv)[k];
 

@@ -45,7 +45,8 @@ typedef enum {
 #define NEEDS_VISCOSITY 4U
 #define NEEDS_PRESSURE  8U  /* of a step: the first state of a run has none */
 #define NEEDS_STEP      16U /* the step before: the first state of a run has none */
-#define COLUMN_NEEDS    5
+#define COLUMN_NEEDS    5   /* that have a word */
+#define NEEDS_PAST      32U /* all steps before: a sum over them */
 
 #define COLUMN_NAME_LENGTH 64
 typedef struct {

@@ -152,7 +152,7 @@ static PetscErrorCode Prune(Output output, PetscInt step)
 
   PetscFunctionBegin;
   if (output->rank) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FolderNumbers(output, "checkpoint_", &count, &numbers));
+  PetscCall(FolderNumbers(output->folder, "checkpoint_", &count, &numbers));
   for (PetscInt k = 0; k < count; k++)
     if (numbers[k] < step) before = numbers[k];
   for (PetscInt k = 0; k < count; k++) {
@@ -418,6 +418,30 @@ static PetscErrorCode MoveWalls(Output output)
       DomainWallVelocity(output->cloud->domain, arrays.real[FIELD_POSITION] + DIM * a,
                          arrays.real[FIELD_VELOCITY] + DIM * a);
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN])
+{
+  const char *folder = path;
+  char        name[OUTPUT_NAME_LENGTH], found[PETSC_MAX_PATH_LEN];
+  struct stat info;
+  PetscInt    count = 1, *numbers = NULL;
+
+  PetscFunctionBegin;
+  if (!output->rank && !stat(path, &info) && S_ISDIR(info.st_mode)) {
+    PetscCall(PetscSNPrintf(found, sizeof(found), "%s/" CHECKPOINT_BY_CLOCK, folder));
+    if (access(found, F_OK)) { /* each other checkpoint removes it */
+      PetscCall(FolderNumbers(folder, "checkpoint_", &count, &numbers));
+      OutputCheckpointName(count ? numbers[count - 1] : 0, name);
+      PetscCall(PetscSNPrintf(found, sizeof(found), "%s/%s", folder, name));
+    }
+    if (count) PetscCall(PetscStrncpy(path, found, PETSC_MAX_PATH_LEN));
+  }
+  PetscCall(PetscFree(numbers));
+  PetscCallMPI(MPI_Bcast(&count, 1, MPIU_INT, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(path, PETSC_MAX_PATH_LEN, MPI_CHAR, 0, output->comm));
+  PetscCheckUser(count > 0, output->comm, "The folder %s has no checkpoint_<step>.h5 to restart from.", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

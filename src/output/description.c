@@ -1,7 +1,10 @@
 /* What describes a run: options.opts, usable with -options_file, and version.txt. */
 #include "output_impl.h"
 #include <errno.h>
+#include <sys/stat.h>
 #include <time.h>
+
+#define INPUTS "inputs" /* folder in the run's, of the files that options name */
 
 /* Options of one start of the program, not of the run. */
 static const char *const transient[] = {"-restart",
@@ -11,6 +14,7 @@ static const char *const transient[] = {"-restart",
                                         "-options_file_yaml",
                                         "-options_left",
                                         "-dry_run",
+                                        "-measure",
                                         "-dump_options",
                                         "-options_view",
                                         "-help",
@@ -128,13 +132,76 @@ PetscErrorCode OutputText(Output output, const char name[], const char text[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Copies a file under another name, unless it is that file. Rank 0 only; returns an errno. */
+static int Copy(const char from[], const char to[])
+{
+  char        part[65536];
+  struct stat source, target;
+  size_t      n;
+  int         error = 0;
+  FILE       *in, *out;
+
+  if (stat(from, &source)) return errno;
+  if (!stat(to, &target) && source.st_dev == target.st_dev && source.st_ino == target.st_ino) return 0;
+  in  = fopen(from, "rb");
+  out = in ? fopen(to, "wb") : NULL;
+  if (!out) error = errno;
+  while (!error && (n = fread(part, 1, sizeof(part), in)) > 0)
+    if (fwrite(part, 1, n, out) < n) error = errno;
+  if (in && !error && ferror(in)) error = EIO;
+  if (out && fclose(out) && !error) error = errno;
+  if (in) (void)fclose(in);
+  return error;
+}
+
+/* Keeps a file that the option of a note names, as inputs/<option><.ending>; has the options of the run name that. */
+static PetscErrorCode KeepInput(Output output, const OptionNote *note, char **text)
+{
+  const char *dot = strrchr(note->value, '.'), *slash = strrchr(note->value, '/');
+  char        path[PETSC_MAX_PATH_LEN], name[OUTPUT_NAME_LENGTH], line[OPTION_NAME_LENGTH + 2], *at, *end, *longer;
+  int         error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(name, sizeof(name), INPUTS "/%s%.8s", note->name + 1, dot > slash ? dot : ""));
+  PetscCall(OutputPath(output, INPUTS, path));
+  if (!output->rank && mkdir(path, 0777) && errno != EEXIST) error = errno;
+  PetscCall(FolderStatus(output, error, "make the folder", path));
+  PetscCall(OutputPath(output, name, path));
+  if (!output->rank) error = Copy(note->value, path);
+  PetscCall(FolderStatus(output, error, "keep a copy of an input as", path));
+  PetscCall(PetscSNPrintf(line, sizeof(line), "%s ", note->name));
+  for (at = *text; at && strncmp(at, line, strlen(line)); at += at != NULL) at = strchr(at, '\n');
+  if (!at) PetscFunctionReturn(PETSC_SUCCESS);
+  end = strchr(at, '\n');
+  PetscCall(PetscMalloc1(strlen(*text) + sizeof(name) + 1, &longer));
+  (void)sprintf(longer, "%.*s%s%s", (int)(at - *text) + (int)strlen(line), *text, name, end ? end : "");
+  PetscCall(PetscFree(*text));
+  *text = longer;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* options.opts, which names the copies of the files that the run has read. */
+static PetscErrorCode DescribeOptions(Output output)
+{
+  char    *text;
+  PetscInt count;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrallocpy(output->options, &text));
+  for (const OptionNote *note = OptionsNoted(&count), *last = note + count; note < last; note++)
+    if (note->row.kind == ROW_FILE && note->given && note->value[0]) PetscCall(KeepInput(output, note, &text));
+  PetscCall(OutputText(output, "options.opts", text));
+  PetscCall(PetscFree(text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode DescribeRun(Output output, PetscBool same)
 {
   char path[PETSC_MAX_PATH_LEN], version[4096];
   int  error = 0;
 
   PetscFunctionBegin;
-  PetscCall(OutputText(output, "options.opts", output->options));
+  PetscCall(DescribeOptions(output));
   PetscCall(OutputPath(output, "version.txt", path));
   PetscCall(DescribeProgram(output, same, version, sizeof(version)));
   if (!output->rank) error = WriteText(path, same ? "a" : "w", version);

@@ -59,14 +59,13 @@ static PetscInt NumberOf(const char name[], const char prefix[], PetscBool tempo
   return (PetscInt)number;
 }
 
-PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers)
+PetscErrorCode FolderNumbers(const char path[], const char prefix[], PetscInt *count, PetscInt **numbers)
 {
-  DIR           *folder;
+  DIR           *folder = opendir(path);
   struct dirent *file;
   PetscInt       n = 0, capacity = 0, *list = NULL;
 
   PetscFunctionBegin;
-  folder = opendir(output->folder);
   while (folder && (file = readdir(folder))) {
     const PetscInt number = NumberOf(file->d_name, prefix, PETSC_FALSE);
 

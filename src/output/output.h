@@ -18,11 +18,11 @@ PetscErrorCode OutputCreate(Cloud cloud, Gauges gauges, Output *output);
    intervals. Collective. */
 PetscErrorCode OutputSetFromOptions(Output output);
 /* OutputSetUp - makes the run folder and its parents, locks the folder, and writes options.opts (every option in use,
-   usable with -options_file), version.txt and the head of series.csv. Refuses (UserError) a folder that cannot be
-   written, a folder in which another run is going on, and a folder with the files of an earlier run; -output_overwrite
-   removes these files. restart: the checkpoint of OutputRestart, or NULL; a restart in the checkpoint's own folder cuts
-   the series and the snapshots behind the state and continues them. Call it when nothing else can refuse the run.
-   Collective. */
+   usable with -options_file; the files that it names are copied into inputs/), version.txt and the head of series.csv.
+   Refuses (UserError) a folder that cannot be written, a folder in which another run is going on, and a folder with the
+   files of an earlier run; -output_overwrite removes these files. restart: the checkpoint of OutputRestart, or NULL; a
+   restart in the checkpoint's own folder cuts the series and the snapshots behind the state and continues them. Call it
+   when nothing else can refuse the run. Collective. */
 PetscErrorCode OutputSetUp(Output output, const char restart[], const StepState *state);
 /* OutputStep - writes what is due at this state: a series line, a snapshot. 'last' forces both; neither is written
    twice for one step. The first state of a run always gets both. Refuses (UserError) to go on when the disk is full or
@@ -47,6 +47,17 @@ PetscErrorCode OutputByClock(Output output, const StepState *state);
 /* OutputCheckpointName - the name of the file that OutputCheckpoint makes at a step. Not collective. */
 #define OUTPUT_NAME_LENGTH 64
 void OutputCheckpointName(PetscInt step, char name[OUTPUT_NAME_LENGTH]);
+/* For -measure, on one process. OutputSnapshots - the numbers of a folder's snapshots, ascending, to be freed; refuses
+   (UserError) a folder without any. OutputReadSnapshot - the particles become those of the snapshot, the liquid anew,
+   dummies by their ids, and the state has its time and step; refuses (UserError) one that is not whole or lacks
+   velocity or pressure. OutputMeasured - a line of the columns that are of the particles alone, forces NAN where
+   the snapshot lacks particles of walls; state NULL: their names. */
+PetscErrorCode OutputSnapshots(Output output, const char folder[], PetscInt *count, PetscInt **numbers);
+PetscErrorCode OutputReadSnapshot(Output output, const char folder[], PetscInt number, StepState *state);
+PetscErrorCode OutputMeasured(Output output, const StepState *state, FILE *file);
+/* OutputNewest - the path of a folder becomes that of its newest checkpoint; others stay. Refuses (UserError) a folder
+   without one. Collective. */
+PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN]);
 /* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
    rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
    file that is missing, truncated, damaged or no checkpoint, a checkpoint of another scene, numbers that no run leaves,

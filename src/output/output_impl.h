@@ -60,6 +60,7 @@ struct _p_Output {
   PetscInt       entries, entry_capacity;
   PetscReal      wall_start, wall_before;  /* s: MPI_Wtime at the start; spent before the restart */
   PetscReal      clock_interval, clock_at; /* s: between checkpoints by the clock; MPI_Wtime at the last checkpoint */
+  PetscBool      pressed;                  /* OutputReadSnapshot has found all particles of walls */
   PetscBool      locked;                   /* this run holds the folder's lock */
 };
 
@@ -103,8 +104,9 @@ PetscErrorCode FolderMake(Output output);
 PetscErrorCode FolderClear(Output output);
 /* FolderHolds - whether the file lies in the run folder. Collective. */
 PetscErrorCode FolderHolds(Output output, const char file[], PetscBool *same);
-/* FolderNumbers - the numbers of the files <prefix><digits>.h5, ascending, in an array to be freed. Rank 0 only. */
-PetscErrorCode FolderNumbers(Output output, const char prefix[], PetscInt *count, PetscInt **numbers);
+/* FolderNumbers - the numbers of the files <prefix><digits>.h5 of a folder, ascending, in an array to be freed. Rank 0
+   only. */
+PetscErrorCode FolderNumbers(const char folder[], const char prefix[], PetscInt *count, PetscInt **numbers);
 /* FolderCommit - gives a finished file (written as <name>.tmp) its name; sync: after it has reached the disk.
    FolderDiscard - removes <name>.tmp. Collective. */
 PetscErrorCode FolderCommit(Output output, const char name[], PetscBool sync);

@@ -26,9 +26,9 @@ typedef struct {
   X("divergence", NULL, COUNTS_RUN, 0, v->state->divergence)                                                           \
   X("solver_error", NULL, COUNTS_RUN, NEEDS_STEP, v->state->solver_error)                                              \
   X("surface_energy", "J", COUNTS_SUM, NEEDS_TENSION, v->state->surface_energy)                                        \
-  X("viscous_work", "J", COUNTS_SUM, NEEDS_VISCOSITY, v->state->viscous_work)                                          \
-  X("tension_work", "J", COUNTS_SUM, NEEDS_TENSION, v->state->tension_work)                                            \
-  X("outside_work", "J", COUNTS_SUM, 0, StepperOutsideWork(v->state))                                                  \
+  X("viscous_work", "J", COUNTS_SUM, NEEDS_VISCOSITY | NEEDS_PAST, v->state->viscous_work)                             \
+  X("tension_work", "J", COUNTS_SUM, NEEDS_TENSION | NEEDS_PAST, v->state->tension_work)                               \
+  X("outside_work", "J", COUNTS_SUM, NEEDS_PAST, StepperOutsideWork(v->state))                                         \
   X("particles", NULL, COUNTS_RUN, 0, v->totals.particles)                                                             \
   X("lost", NULL, COUNTS_RUN, 0, v->state->lost)                                                                       \
   X("rejected", NULL, COUNTS_RUN, 0, v->state->rejected)                                                               \
@@ -39,6 +39,12 @@ static const Column own[] = {
   SERIES_COLUMNS(COLUMN)
 #undef COLUMN
 };
+
+/* Whether a column is of the particles alone: neither of the steps before nor of the computation. */
+static PetscBool IsMeasured(const Column *column)
+{
+  return (PetscBool)(!(column->needs & (NEEDS_STEP | NEEDS_PAST)) && column->counts != COUNTS_RUN);
+}
 
 #define OWN  ((PetscInt)PETSC_STATIC_ARRAY_LENGTH(own))
 #define KEYS 2 /* time and step */
@@ -159,6 +165,32 @@ PetscErrorCode OutputMeasure(Output output, const StepState *state, PetscInt *co
   v.wall = OutputWallTime(output);
   FillColumns(output, &v, output->line);
   *values = output->line;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputMeasured(Output output, const StepState *state, FILE *file)
+{
+  const PetscReal *line = NULL;
+  const Column    *columns;
+  PetscInt         count;
+  ColumnWords      words;
+
+  PetscFunctionBegin;
+  if (state) PetscCall(OutputMeasure(output, state, &count, &line));
+  PetscCall(GaugesColumns(output->gauges, &count, &columns));
+  for (PetscInt c = 0; c < OWN + count; c++) {
+    const Column *column = c < OWN ? &own[c] : &columns[c - OWN];
+
+    if (c >= KEYS && !IsMeasured(column)) continue;
+    PetscCall(GaugesColumnWords(output->gauges, column, &words));
+    if (state)
+      (void)fprintf(file, "%s%.*g", c ? "," : "", SERIES_DIGITS,
+                    column->of == OF_RECEIVER && column->needs & NEEDS_PRESSURE && !output->pressed ? NAN
+                                                                                                    : (double)line[c]);
+    else
+      (void)fprintf(file, "%s%s", c ? "," : "", words.head);
+  }
+  (void)fputs("\n", file);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

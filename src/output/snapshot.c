@@ -52,7 +52,7 @@ PetscErrorCode SnapshotScan(Output output, PetscInt restart_step)
 
   PetscFunctionBegin;
   output->entries = 0;
-  if (!output->rank) PetscCall(FolderNumbers(output, "snapshot_", &count, &numbers));
+  if (!output->rank) PetscCall(FolderNumbers(output->folder, "snapshot_", &count, &numbers));
   for (PetscInt k = 0; k < count; k++) { /* rank 0 */
     SnapshotEntry entry;
     PetscBool     good = PETSC_FALSE;

@@ -210,7 +210,7 @@ static PetscReal Room(PetscReal spacing, PetscInt n, const RegionPoint point[], 
    points. */
 static PetscInt Take(PetscReal spacing, PetscInt n, const RegionPoint point[], PetscReal room, PetscReal layer)
 {
-  const PetscInt exact = PetscMin(n, (PetscInt)PetscFloorReal(room + 0.5));
+  const PetscInt exact = PetscMin(n, PetscMax(0, (PetscInt)PetscFloorReal(room + 0.5)));
   PetscInt       best  = exact;
   PetscReal      least = MISFIT * layer;
 

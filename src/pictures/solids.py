@@ -100,6 +100,8 @@ def triangles(run, solid):
         return faceted(box_of(solid["lower"], solid["upper"]))
     path = next((option["value"] for option in run.scene["options"] if option["name"] == f"-{name}_file"), "") \
         if shape["type"] == "stl" else ""
+    kept = os.path.join(run.folder, "inputs", f"{name}_file{os.path.splitext(path)[1]}")  # as the run has read it
+    path = kept if os.path.isfile(kept) else path
     if not os.path.isfile(path):
         return round_one(solid)
     reader = vtkSTLReader()

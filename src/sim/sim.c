@@ -41,7 +41,8 @@ static const OptionRow options[] = {
   {"-steps_max", "Number of steps after which the run ends; 0: no bound", "1", "[0, inf)", ROW_INT,
    offsetof(struct _p_Sim, steps_max)},
   {"-restart",
-   "Checkpoint file to continue from; changed options are listed; spacing, box, kernel, solids and bodies must be the "
+   "Checkpoint file to continue from, or the folder of a run, whose newest is taken; changed options are listed; "
+   "spacing, box, kernel, solids and bodies must be the "
    "same, but for their viscosity",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
   {"-progress_interval", "Wall-clock time between progress lines; 0: none but the summary at the end", "s", "[0, inf)",
@@ -69,6 +70,10 @@ static const OptionRow deeds[] = {
    "1", "[1, inf)", ROW_INT, offsetof(struct _p_Sim, ranks), .fallback = "those of mpiexec, or one"},
   {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,
    NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
+  {MEASURE_OPTION,
+   "Folder of a run that is done: its columns at the times of its snapshots, with gauges that are given now, go into "
+   "measured.csv there; its options.opts is read first; forces need -snapshot_walls of the run",
+   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, measure), .fallback = "none"},
   {"-scene_model",
    "Print which models hold for the scene (rings, mirrors, a plane; without tension, viscosity or gravity)", NULL, NULL,
    ROW_BOOL, offsetof(struct _p_Sim, model)},
@@ -234,6 +239,7 @@ PetscErrorCode SimSetUp(Sim sim)
   SceneMoveSolids(sim->scene, sim->state.time);
   PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {
+    PetscCall(OutputNewest(sim->output, sim->restart));
     PetscCall(OutputRestart(sim->output, sim->restart, &sim->state));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
                    "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
@@ -257,7 +263,7 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(StartAtRest(sim));
     PetscCall(BudgetStart(sim));
   }
-  if (!sim->dry_run && sim->writes) {
+  if (!sim->dry_run && !SimMeasures(sim) && sim->writes) {
     char path[PETSC_MAX_PATH_LEN];
 
     PetscCall(OutputSetUp(sim->output, restarting ? sim->restart : NULL, &sim->state));

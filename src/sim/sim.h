@@ -48,6 +48,10 @@ Particles        SimParticles(Sim sim);
 Output           SimOutput(Sim sim);
 /* SimIsDry - whether -dry_run was given: then call SimDryRun in place of SimRun. Not collective. */
 PetscBool SimIsDry(Sim sim);
+/* SimMeasures - whether -measure was given: then call SimMeasure in place of SimRun. It writes the columns at the times
+   of the snapshots of a run into measured.csv of its folder. Collective, on one process. */
+PetscBool      SimMeasures(Sim sim);
+PetscErrorCode SimMeasure(Sim sim);
 /* SimDryRun - prints what the run would need: particles, memory, the bounds of the time step, time (from a few trial
    steps and a rehearsal with a coarser spacing) and output; draws the initial state into <-output_dir>.svg. Writes
    nothing else. Collective. */

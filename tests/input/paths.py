@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A scene in a folder runs from anywhere: files that it names are looked for in the working directory, then in the
 folders of the options files. 'none' is what holds without an option."""
+import json
 import os
 import sys
 
@@ -21,8 +22,8 @@ def write(path, text):
 
 def used(folder, name):
     """What an option was in a run."""
-    with open(os.path.join(folder, "options.opts"), encoding="utf-8") as file:
-        return next((line.split()[1] for line in file if line.split()[0] == name), None)
+    with open(os.path.join(folder, "scene.json"), encoding="utf-8") as file:
+        return next((one["value"] for one in json.load(file)["options"] if one["name"] == name), None)
 
 
 def paths():
