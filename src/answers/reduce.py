@@ -114,8 +114,8 @@ def flat_faces(scene, kept):
             yield to, kinds[LETTERS[d] + end]["type"]
             for name, option in scene.options.items():
                 if option["owner"] == owner:
-                    v = option["value"]
-                    yield to + name[len(owner):], joined(numbers(v)[k] for k in kept) if option["kind"] == "direction" else v
+                    vector, value = option["kind"] == "direction", option["value"]
+                    yield to + name[len(owner):], joined(numbers(value)[k] for k in kept) if vector else value
 
 
 def rings(scene, axis):

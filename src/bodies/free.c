@@ -214,6 +214,11 @@ static PetscBool HasFree(Scene scene, Tension tension)
   return (PetscBool)(scene && SceneHasFree(scene));
 }
 
+static const char *Lopsided(Scene scene)
+{
+  return SceneHasFree(scene) ? "a free body" : NULL;
+}
+
 static const Feature features[] = {{FREE, HasFree}, {.name = NULL}};
 static const Refusal refusals[] = {
   {FREE, NOT_WITH, FEATURE_DENSITIES, " yet"},
@@ -230,6 +235,7 @@ const Edge FreeEdge = {.name      = FREE_EDGE,
                        .gauge     = &GaugeBodies,
                        .features  = features,
                        .refusals  = refusals,
+                       .lopsided  = Lopsided,
                        .on        = On,
                        .create    = Create,
                        .destroy   = Destroy,

@@ -78,7 +78,10 @@ static const Refusal refusals[] = {
   {.one = NULL},
 };
 
+static const EdgeField fields[] = {{FIELD_LINE, HasLaw, NULL}, {.needed = NULL}};
+
 const Edge ContactEdge = {.name      = NAME,
+                          .fields    = fields,
                           .gauge     = &GaugeSpread,
                           .features  = features,
                           .refusals  = refusals,

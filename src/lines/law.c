@@ -157,7 +157,7 @@ static PetscBool FindWall(Tension tension, Cloud cloud, PetscInt a, PetscReal re
 
 static PetscReal ViscosityOf(Cloud cloud, PetscInt a)
 {
-  return cloud->field[FIELD_VISCOSITY] && SceneViscosityVaries(cloud->scene)
+  return cloud->field[FIELD_VISCOSITY]
            ? cloud->field[FIELD_VISCOSITY][a]
            : BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->viscosity;
 }

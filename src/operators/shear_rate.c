@@ -123,7 +123,7 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
   FitPoints  points;
 
   PetscFunctionBegin;
-  if (!SceneViscosityVaries(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!cloud->field[FIELD_VISCOSITY]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CloudGetWork(cloud, 1, &depth));

@@ -33,14 +33,13 @@ static inline PetscBool IsCentral(ViscosityForm form)
    viscosity of their neighbour. Collective. */
 static PetscErrorCode CollectViscosity(Cloud cloud, const Viscosity *viscosity, PetscReal mu[])
 {
-  const PetscBool  varies = SceneViscosityVaries(cloud->scene);
   const PetscReal *stored = cloud->field[FIELD_VISCOSITY];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
 
-    mu[a] = body < 0 ? -1 : varies ? stored[a] : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
+    mu[a] = body < 0 ? -1 : stored ? stored[a] : BodyMaterial(SceneBody(cloud->scene, body))->viscosity;
   }
   if (IsCentral(viscosity->form)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < cloud->n_fluid; a++) mu[a] /= SecondMoment(cloud, a);
@@ -119,7 +118,7 @@ PetscBool OperatorsOneLiquid(Cloud cloud)
 {
   const Material *first = BodyMaterial(SceneBody(cloud->scene, 0));
 
-  if (SceneViscosityVaries(cloud->scene)) return PETSC_FALSE;
+  if (cloud->field[FIELD_VISCOSITY]) return PETSC_FALSE;
   for (PetscInt b = 1; b < SceneCount(cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(cloud->scene, b));
 

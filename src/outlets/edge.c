@@ -132,13 +132,18 @@ static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of this step, summed with the trial. */
+static OutletNumbers *Now(Stepper stepper)
+{
+  return (OutletNumbers *)StepEdgeSums(stepper, OUTLETS);
+}
+
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Outlets *outlets = OutletsOf(stepper);
 
   PetscFunctionBegin;
-  outlets->now = (OutletNumbers){0};
-  PetscCall(OutletsCalm(outlets, dt, outlets->cloud->field[FIELD_VELOCITY_NEW], &outlets->now.work));
+  PetscCall(OutletsCalm(outlets, dt, outlets->cloud->field[FIELD_VELOCITY_NEW], &Now(stepper)->work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,8 +160,8 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
     const PetscInt   f = DomainExit(cloud->domain, x);
 
     if (f < 0 || !outlets->face[f / 2][f % 2]->on) continue;
-    outlets->now.left[f] += cloud->volume[a];
-    outlets->now.work -= cloud->volume[a] * OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
+    Now(stepper)->left[f] += cloud->volume[a];
+    Now(stepper)->work -= cloud->volume[a] * OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -165,12 +170,10 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
 {
   Outlets       *outlets = OutletsOf(stepper);
   OutletNumbers *so_far  = (OutletNumbers *)StepperNumbers(stepper, state, OUTLETS);
-  OutletNumbers  sum     = outlets->now;
+  OutletNumbers  sum     = *Now(stepper);
 
   PetscFunctionBegin;
   if (outlets->frozen) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum.left, 2 * DIM, MPIU_REAL, MPIU_SUM, outlets->cloud->comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum.work, 1, MPIU_REAL, MPIU_SUM, outlets->cloud->comm));
   so_far->work += sum.work;
   for (PetscInt f = 0; f < 2 * DIM; f++) so_far->left[f] += sum.left[f];
   outlets->so_far = *so_far;
@@ -202,6 +205,7 @@ const Edge OutletEdge = {.name        = OUTLETS,
                          .gauge       = &GaugeOutlets,
                          .data_size   = sizeof(Outlets),
                          .number_size = sizeof(OutletNumbers),
+                         .sums        = sizeof(OutletNumbers) / sizeof(PetscReal),
                          .numbers     = rows,
                          .create      = Create,
                          .on          = On,

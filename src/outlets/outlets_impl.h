@@ -27,7 +27,6 @@ typedef struct {
   const Outlet *face[DIM][2];             /* borrowed */
   PetscReal     gravity[DIM], density;    /* m/s2, kg/m3 */
   PetscReal     speed;                    /* m/s, that the largest pressure outside can give */
-  OutletNumbers now;                      /* of this rank in the step */
   PetscReal     plane;                    /* w1(0) of KernelHalfSpace, 1/m */
   PetscReal     depth[OUTLETS_TABLE + 1]; /* at which w1 is k/OUTLETS_TABLE of that, m */
   OutletNumbers so_far;                   /* a copy of the state's */

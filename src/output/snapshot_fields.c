@@ -44,15 +44,16 @@ static PetscBool Always(PetscInt f)
   return (PetscBool)(f == FIELD_POSITION || integer == INT_ID || integer == INT_BODY);
 }
 
+#define WORD(id, name, width, parity, carry, unit, meaning) name,
+static const char *const words[] = {STORED_REALS(WORD) "surface", "layer", "none", NULL};
+
 static const OptionRow options[] = {
   {"-snapshot_walls",
    "Write particles of walls and solids at rest into the snapshots too; those of moving solids always are", NULL, NULL,
    ROW_BOOL, offsetof(SnapshotSetup, walls)},
   {"-snapshot_double", "Snapshots in double precision", NULL, NULL, ROW_BOOL, offsetof(SnapshotSetup, precise)},
-  {"-snapshot_fields",
-   "Fields of a snapshot besides position, id and body: velocity, pressure, density, lambda, volume (of rings), size "
-   "(of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface, layer (of walls); or none",
-   NULL, NULL, ROW_NAMES, offsetof(SnapshotSetup, named), .fallback = "all", .most = SNAPSHOT_FIELDS + 1},
+  {"-snapshot_fields", "Fields of a snapshot, of those that the run has; position, id and body are always in it", NULL,
+   NULL, ROW_NAMES, offsetof(SnapshotSetup, named), .fallback = "all", .words = words, .most = SNAPSHOT_FIELDS + 1},
   {"-snapshot_lower", "Lower corner of the region in the snapshots", "m", NULL, ROW_POINT,
    offsetof(SnapshotSetup, corner[0]), .fallback = "-box_lower"},
   {"-snapshot_upper", "Upper corner of the region in the snapshots", "m", NULL, ROW_POINT,
@@ -87,11 +88,24 @@ static PetscBool Present(Output output, PetscInt f)
   return (PetscBool)(f >= FIELD_STORED_COUNT || ParticlesHave(output->cloud->particles, f));
 }
 
+/* The names of the fields that the run has, with commas. */
+static const char *Names(Output output, char names[NAMES_LENGTH])
+{
+  names[0] = 0;
+  for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
+    if (!Present(output, f)) continue;
+    if (names[0]) TextAppend(names, NAMES_LENGTH, ", ");
+    TextAppend(names, NAMES_LENGTH, SnapshotFieldAt(f).column.name);
+  }
+  return names;
+}
+
 /* The bits of the fields that the user named. */
 static PetscErrorCode CheckFields(Output output)
 {
   SnapshotSetup *content = &output->content;
   PetscBool      none    = PETSC_FALSE;
+  char           names[NAMES_LENGTH];
 
   PetscFunctionBegin;
   content->fields = 0;
@@ -108,12 +122,8 @@ static PetscErrorCode CheckFields(Output output)
       found = (PetscBool)(found && Present(output, f));
       if (found) content->fields |= 1U << f;
     }
-    PetscCheckUser(
-      found, output->comm,
-      "-snapshot_fields names %s; there are velocity, pressure, density, lambda, volume (where it "
-      "differs), size (of graded rings), viscosity (if it varies), colour (with -spacing_follow), surface and "
-      "layer, or none.",
-      content->named.name[k]);
+    PetscCheckUser(found, output->comm, "-snapshot_fields names %s; this run has %s, or none.", content->named.name[k],
+                   Names(output, names));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

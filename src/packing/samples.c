@@ -48,7 +48,7 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
 {
   ParticleArrays arrays;
   PetscSegBuffer own;
-  PetscInt       next, n;
+  PetscInt       next, n, first;
   Sample        *sample;
 
   PetscFunctionBegin;
@@ -56,7 +56,8 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
   PetscCall(visit(source, SampleKeep, own));
   PetscCall(SamplesTake(&own, &n, &sample));
   PetscCallMPI(MPI_Allreduce(&n, count, 1, MPIU_INT, MPI_SUM, domain->comm));
-  PetscCall(ParticlesLocalSize(particles, &next));
+  PetscCall(ParticlesLocalSize(particles, &first));
+  next = first;
   PetscCall(ParticlesAppend(particles, n));
   PetscCall(ParticlesOpen(particles, &arrays));
   for (PetscInt k = 0; k < n; k++, next++) {
@@ -73,6 +74,7 @@ PetscErrorCode SamplesAppend(Particles particles, Domain domain, SampleSource vi
     arrays.integer[INT_BODY][next]   = sample[k].body;
     arrays.integer[INT_LAYER][next]  = sample[k].layer;
   }
+  ParticlesStart(particles, first, &arrays);
   PetscCall(ParticlesClose(particles, &arrays));
   PetscCall(PetscFree(sample));
   PetscFunctionReturn(PETSC_SUCCESS);

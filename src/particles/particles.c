@@ -12,35 +12,45 @@ const char *const IntFieldMeanings[INT_COUNT] = {STORED_INTS(MEANING_INT)};
 #define PARTICLE_BYTES 256  /* a particle has fewer: DMSwarmMigrate (3.18) counts the bytes of a message in an int */
 
 struct _p_Particles {
-  MPI_Comm  comm;
-  Domain    domain; /* borrowed */
-  DM        swarm;
-  PetscBool viscosity, line; /* FIELD_VISCOSITY, FIELD_LINE is stored */
-  PetscBool balance_surface; /* the partition divides the work near the free surface, too */
-  PetscInt  global;          /* expected global number of particles, checked after each migration */
-  PetscInt  portion;         /* most particles in one message */
+  MPI_Comm         comm;
+  Domain           domain; /* borrowed */
+  DM               swarm;
+  FieldMask        stored;
+  PetscBool        balance_surface; /* the partition divides the work near the free surface, too */
+  PetscInt         global;          /* expected global number of particles, checked after each migration */
+  PetscInt         portion;         /* most particles in one message */
+  ParticlesStarter start;           /* of new particles; NULL: none */
+  void            *context;
 };
 
 PetscBool ParticlesHave(Particles particles, PetscInt f)
 {
-  if (f == FIELD_VOLUME) return DomainVolumesDiffer(particles->domain);
-  if (f == FIELD_COLOUR) return (PetscBool)(particles->domain->adaptive != NULL);
-  if (f == FIELD_SIZE) return DomainStoresSizes(particles->domain);
-  if (f == FIELD_LINE) return particles->line;
-  return (PetscBool)(f != FIELD_VISCOSITY || particles->viscosity);
+  return (PetscBool)((particles->stored & FIELD_BIT(f)) != 0);
 }
 
-PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, PetscBool line, Particles *particles)
+void ParticlesSetStart(Particles particles, ParticlesStarter start, void *context)
+{
+  particles->start   = start;
+  particles->context = context;
+}
+
+void ParticlesStart(Particles particles, PetscInt first, ParticleArrays *arrays)
+{
+  if (particles->start) particles->start(particles->context, first, arrays);
+}
+
+PetscErrorCode ParticlesCreate(Domain domain, FieldMask more, Particles *particles)
 {
   Particles p;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&p));
-  p->comm      = domain->comm;
-  p->domain    = domain;
-  p->viscosity = viscosity;
-  p->line      = line;
-  p->portion   = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
+  p->comm   = domain->comm;
+  p->domain = domain;
+  p->stored = more | (FIELD_BIT(FIELD_LAMBDA + 1) - 1) | (DomainVolumesDiffer(domain) ? FIELD_BIT(FIELD_VOLUME) : 0) |
+              (DomainStoresSizes(domain) ? FIELD_BIT(FIELD_SIZE) : 0) |
+              (domain->adaptive ? FIELD_BIT(FIELD_COLOUR) : 0);
+  p->portion = PETSC_MPI_INT_MAX / PARTICLE_BYTES;
   PetscCall(DMCreate(p->comm, &p->swarm));
   PetscCall(DMSetType(p->swarm, DMSWARM));
   PetscCall(PetscObjectSetName((PetscObject)p->swarm, "particles"));

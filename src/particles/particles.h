@@ -42,6 +42,7 @@ typedef enum {
     "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")                         \
   X(COLOUR, "colour", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                               \
     "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")              \
+  X(TEMPERATURE, "temperature", 1, PARITY_SCALAR, CARRY_MEAN, "K", "temperature; stored with -<body>_temperature")     \
   X(LINE, "line_capillary_number", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                  \
     "mu U/sigma of the contact line nearby, positive if it advances; stored with -wall_contact_law")
 
@@ -109,10 +110,13 @@ typedef struct {
   PetscInt  *integer[INT_COUNT];
 } ParticleArrays;
 
-/* ParticlesHave - whether the swarm stores field f < FIELD_STORED_COUNT. It stores volumes if they differ; else every
-   particle has the domain's volume. It stores sizes if DomainStoresSizes; else the size of a graded particle follows
-   from its volume. It stores colours with -spacing_follow, viscosities and the numbers of contact lines if
-   ParticlesCreate says so. Not collective. */
+/* A set of stored fields. */
+typedef unsigned FieldMask;
+#define FIELD_BIT(f) (1U << (f))
+
+/* ParticlesHave - whether the swarm stores field f < FIELD_STORED_COUNT: those of the rows up to lambda always, volumes
+   if they differ (else every particle has the domain's), sizes if DomainStoresSizes (else that of a graded particle
+   follows from its volume), colours with -spacing_follow, the others if ParticlesCreate says so. Not collective. */
 PetscBool ParticlesHave(Particles particles, PetscInt f);
 
 /* ParticleVolume - volume of particle a, m3 (m2 in two dimensions). Not collective. */
@@ -138,9 +142,14 @@ static inline PetscReal ParticleSumVolume(Domain domain, const ParticleArrays *a
   return volume / DomainRingLength(domain, x, ParticleSize(domain, arrays, a));
 }
 
-/* ParticlesCreate - makes an empty swarm with the stored fields; viscosity, line: FIELD_VISCOSITY, FIELD_LINE, too.
-   Collective on the domain's communicator. */
-PetscErrorCode ParticlesCreate(Domain domain, PetscBool viscosity, PetscBool line, Particles *particles);
+/* ParticlesCreate - makes an empty swarm with the stored fields, those of the mask, too. Collective on the domain's
+   communicator. ParticlesSetStart - names what gives new particles the start values of their fields: particles from
+   'first' on, which have places, volumes, bodies and layers. ParticlesStart - calls it, for what makes particles. Not
+   collective. */
+typedef void (*ParticlesStarter)(void *context, PetscInt first, ParticleArrays *arrays);
+PetscErrorCode ParticlesCreate(Domain domain, FieldMask more, Particles *particles);
+void           ParticlesSetStart(Particles particles, ParticlesStarter start, void *context);
+void           ParticlesStart(Particles particles, PetscInt first, ParticleArrays *arrays);
 PetscErrorCode ParticlesDestroy(Particles *particles);
 PetscErrorCode ParticlesView(Particles particles, PetscViewer viewer);
 /* ParticlesAppend - appends 'count' particles on this rank, with all fields zero. The caller sets their fields (id,

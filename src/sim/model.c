@@ -4,8 +4,8 @@
    moments: those where motions, swinging gravity and emitters are extreme (SceneMoments), and some at golden-ratio
    distances, which no period has. So the symmetries hold for any shape, motion and force. A place where a surface is
    nearer than a tenth of a spacing says nothing: the particles cannot tell either. */
-#include "../bodies/bodies.h"
 #include "../scene/body.h"
+#include "../stepper/edge.h"
 #include "sim_impl.h"
 
 #define POINTS       3000 /* in the bounds of each body, and in the box */
@@ -464,9 +464,9 @@ void ModelFind(Sim sim, SceneModel *found)
   PetscReal    g[DIM];
   char         why[MODEL_WHY];
 
-  *found = (SceneModel){.none = SceneHasFree(sim->scene)      ? "a free body"
-                                : SceneFrameTurns(sim->scene) ? "a frame that rotates"
-                                                              : NULL};
+  *found = (SceneModel){.none = SceneFrameTurns(sim->scene) ? "a frame that rotates" : NULL};
+  for (const Edge *const *edge = StepEdges; *edge && !found->none; edge++)
+    if ((*edge)->lopsided) found->none = (*edge)->lopsided(sim->scene);
   for (PetscInt d = 0; d < DIM; d++) model.center[d] = 0.5 * (domain->lower[d] + domain->upper[d]);
   FindMoments(&model);
   (void)AtAll(&model, Measure, &scale, why);

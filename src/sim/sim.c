@@ -177,8 +177,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   PetscCall(TensionCreate(sim->domain, sim->scene, sim->kernel, &sim->tension));
   PetscCall(TensionSetFromOptions(sim->tension));
   PetscCall(RefuseCombinations(sim));
-  PetscCall(
-    ParticlesCreate(sim->domain, SceneViscosityVaries(sim->scene), TensionHasLaw(sim->tension), &sim->particles));
+  PetscCall(StepperParticles(sim->scene, sim->tension, &sim->particles));
   PetscCall(ParticlesBalanceSurface(sim->particles, (PetscBool)(TensionReach(sim->tension) > 0)));
   PetscCall(CloudCreate(sim->domain, sim->scene, sim->kernel, sim->particles,
                         PetscMax(KernelSupport(sim->kernel), TensionReach(sim->tension)), &sim->cloud));

@@ -176,9 +176,9 @@ PetscErrorCode SpectrumLimits(Spectrum s, PetscReal dt)
   for (PetscInt b = 0; b < SceneCount(s->cloud->scene); b++) {
     const Material *m = BodyMaterial(SceneBody(s->cloud->scene, b));
 
-    if (!BodyViscosityVaries(SceneBody(s->cloud->scene, b))) nu = PetscMax(nu, m->viscosity / m->density);
+    if (!s->cloud->field[FIELD_VISCOSITY]) nu = PetscMax(nu, m->viscosity / m->density);
   }
-  for (PetscInt a = 0; a < s->cloud->n_fluid && SceneViscosityVaries(s->cloud->scene); a++)
+  for (PetscInt a = 0; a < s->cloud->n_fluid && s->cloud->field[FIELD_VISCOSITY]; a++)
     nu = PetscMax(nu, s->cloud->field[FIELD_VISCOSITY][a] / s->cloud->rest_density[a]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &nu, 1, MPIU_REAL, MPIU_MAX, s->cloud->comm));
   if (nu > 0) PetscCall(PrintViscosity(s, nu, dt));

@@ -69,6 +69,14 @@ typedef struct {
 #define FEATURE_CENTERED   "-time_centered"
 #define FEATURE_DIVERGENCE "-pressure_source " SOURCE_DIVERGENCE
 
+/* A row of particles.h that an edge stores. The last has no 'needed'. */
+typedef struct {
+  FieldId field;
+  PetscBool (*needed)(Scene scene, Tension tension); /* NULL: not made yet */
+  /* its value in new liquid of a body at x (m); NULL: zero */
+  void (*start)(Scene scene, PetscInt body, const PetscReal x[DIM], PetscReal value[]);
+} EdgeField;
+
 /* What an edge adds to a step, in a folder or file of its own and one line of hooks.c. A hook is called if 'on' says
    that the run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and
    'report' are collective. */
@@ -84,6 +92,8 @@ typedef struct {
   NumberTable             table;       /* numbers that it keeps in the scene; no name: none */
   const struct GaugeKind *gauge;       /* its columns and tables, of gauges/columns.h; NULL: none */
   const Property         *properties;  /* options that it gives to bodies, faces, ...: see domain.h; NULL: none */
+  const EdgeField        *fields;      /* NULL: none */
+  PetscInt                sums;        /* numbers that it sums in a trial: StepEdgeSums */
   const Feature          *features;    /* NULL: none */
   const Refusal          *refusals;    /* the same */
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
@@ -91,16 +101,23 @@ typedef struct {
                            size_t length);
   /* writes what it adds into the open object of scene.json, whether it is on or not. Not collective. */
   void (*json)(Stepper stepper, Json *json);
-  /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
-  PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
+  /* what it is if no symmetry of a scene with it is looked for, "a free body"; NULL: nothing. Not collective. */
+  const char *(*lopsided)(Scene scene);
+  /* its bound of the step, as it is now, with a spacing 'scale' (1) times as large. Not collective. */
+  void (*bound)(Stepper stepper, PetscReal scale, StepBound *bound);
   /* whether it can bring liquid any energy, so that the scene bounds none */
   PetscBool (*drives)(Stepper stepper);
   /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */
   PetscReal (*speed)(Stepper stepper);
+  /* see StepperFilling. Not collective. */
+  PetscReal (*filling)(Stepper stepper, PetscInt body, PetscInt *particles);
   /* fixes its boundaries while the packing relaxes (true), or releases them */
   PetscErrorCode (*freeze)(Stepper stepper, PetscBool frozen);
   /* opens its options blocks; called whether the edge is on or not */
   PetscErrorCode (*options)(Stepper stepper);
+  /* --- a step; the order of these members is that of the calls, which tests/unit/test_hooks.c holds; explicit
+     viscosity calls 'drag' before 'force' --- */
+
   /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
   PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
   /* keeps its state at the start of a step, for 'restore', which goes back to it before each trial */
@@ -109,6 +126,13 @@ typedef struct {
   /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
      (s); *moved: a position or velocity changed */
   PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
+  /* after the energies of a trial are summed, at the positions of the last search: adds its own */
+  PetscErrorCode (*diagnose)(Stepper stepper, StepTrial *trial);
+  /* changes FIELD_VISCOSITY (Pa s) of the fluid, which its fields must name, after the shear rates have given it */
+  PetscErrorCode (*thicken)(Stepper stepper);
+  /* at the positions of the sums: adds its force over the mass (m/s2) to FIELD_ACCELERATION of the fluid; not while the
+     packing relaxes */
+  PetscErrorCode (*force)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* at the positions of the sums, with surface tension, before the pressure of the former step acts: finds what
      surrounds the liquid */
   PetscErrorCode (*surround)(Stepper stepper);
@@ -122,13 +146,13 @@ typedef struct {
   PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
   /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
   PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
-  /* after the energies of a trial are summed, at the positions of the last search: adds its own */
-  PetscErrorCode (*diagnose)(Stepper stepper, StepTrial *trial);
   /* with tension, before 'kick': the work of its pressure at the mean velocities of the step ([n_total][3], m/s, not
      yet of ghosts) */
   PetscErrorCode (*work)(Stepper stepper, PetscReal dt, PetscReal mean[], StepTrial *trial);
   /* after the pressure has made FIELD_VELOCITY_NEW */
   PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  /* --- the second half of 'drift' --- */
+
   /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.
      Not collective. */
   PetscErrorCode (*push)(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM]);
@@ -136,9 +160,10 @@ typedef struct {
   PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, StepTrial *trial);
   /* after the step has been accepted */
   PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
-  /* see StepperBring, StepperFilling; the second is not collective */
+  /* see StepperBring */
   PetscErrorCode (*bring)(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
-  PetscReal (*filling)(Stepper stepper, PetscInt body, PetscInt *particles);
+  /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
+  PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
   /* the cloud has been made anew from the stored fields, for a checkpoint or after one has been read (resumed): what
      follows must depend on these fields and the edge's numbers alone, so that a restart goes on like the run */
   PetscErrorCode (*renew)(Stepper stepper, PetscBool resumed, StepState *state);
@@ -146,16 +171,18 @@ typedef struct {
 
 extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
-/* StepEdgeData - the data of an edge, by its name, in a stepper. StepperCloud, StepperTension, StepperPressure - those
+/* StepEdgeData - the data of an edge, by its name, in a stepper. StepEdgeSums - its sums in a trial, zero at the start;
+   of this rank until 'commit', then of all ranks. StepperCloud, StepperTension, StepperPressure - those
    of StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step
    of a relaxation; 1 in a run. StepperNumbers - the numbers of an edge in a state. Not collective. */
-void     *StepEdgeData(Stepper stepper, const char name[]);
-void     *StepperNumbers(Stepper stepper, const StepState *state, const char name[]);
-Cloud     StepperCloud(Stepper stepper);
-Pressure  StepperPressure(Stepper stepper);
-PetscReal StepperTime(Stepper stepper);
-PetscReal StepperDamping(Stepper stepper);
-Tension   StepperTension(Stepper stepper);
+void      *StepEdgeData(Stepper stepper, const char name[]);
+PetscReal *StepEdgeSums(Stepper stepper, const char name[]);
+void      *StepperNumbers(Stepper stepper, const StepState *state, const char name[]);
+Cloud      StepperCloud(Stepper stepper);
+Pressure   StepperPressure(Stepper stepper);
+PetscReal  StepperTime(Stepper stepper);
+PetscReal  StepperDamping(Stepper stepper);
+Tension    StepperTension(Stepper stepper);
 
 /* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);

@@ -66,6 +66,14 @@ PetscBool StepViscosityFused(Stepper stepper)
                      OperatorsOneLiquid(stepper->cloud));
 }
 
+PetscErrorCode StepApparentViscosity(Stepper stepper)
+{
+  PetscFunctionBegin;
+  PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
+  StepHook(stepper, thicken, stepper);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -181,7 +189,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
-  PetscCall(OperatorsApparentViscosity(cloud, &stepper->viscosity));
+  PetscCall(StepApparentViscosity(stepper));
   PetscCall(PressureSetKeptShare(stepper->pressure, 0));
   if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
@@ -190,7 +198,10 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     StepHook(stepper, drag, stepper, dt, v, trial);
   }
   ShakingWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
-  if (!stepper->relaxing) AddBodyForce(cloud, acceleration);
+  if (!stepper->relaxing) {
+    AddBodyForce(cloud, acceleration);
+    StepHook(stepper, force, stepper, dt, trial);
+  }
   PetscCall(AddTension(stepper, dt, trial));
   StepHook(stepper, surround, stepper);
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];

@@ -2,9 +2,10 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, EmitterEdge, ResamplingEdge, GasEdge, OutletEdge;
-const Edge *const StepEdges[] = {&InterfaceEdge,  &MovingEdge, &ContactEdge, &FreeEdge, &EmitterEdge,
-                                 &ResamplingEdge, &GasEdge,    &OutletEdge,  NULL};
+extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, HeatEdge, EmitterEdge, ResamplingEdge, GasEdge,
+  OutletEdge;
+const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,     &ContactEdge, &FreeEdge,   &HeatEdge,
+                                 &EmitterEdge,   &ResamplingEdge, &GasEdge,     &OutletEdge, NULL};
 
 PetscErrorCode StepperProperties(Domain domain)
 {
@@ -12,6 +13,30 @@ PetscErrorCode StepperProperties(Domain domain)
   for (const Edge *const *edge = StepEdges; *edge; edge++)
     for (const Property *property = (*edge)->properties; property && property->rows; property++)
       PetscCall(DomainAddProperty(domain, property));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A ParticlesStarter: new liquid gets the fields of the edges. */
+static void StartFields(void *context, PetscInt first, ParticleArrays *arrays)
+{
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    for (const EdgeField *row = (*edge)->fields; row && row->needed; row++)
+      for (PetscInt a = first; row->start && arrays->real[row->field] && a < arrays->n; a++)
+        if (arrays->integer[INT_LAYER][a] == 0)
+          row->start((Scene)context, arrays->integer[INT_BODY][a], arrays->real[FIELD_POSITION] + DIM * a,
+                     arrays->real[row->field] + Fields[row->field].width * a);
+}
+
+PetscErrorCode StepperParticles(Scene scene, Tension tension, Particles *particles)
+{
+  FieldMask more = SceneViscosityVaries(scene) ? FIELD_BIT(FIELD_VISCOSITY) : 0;
+
+  PetscFunctionBegin;
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    for (const EdgeField *row = (*edge)->fields; row && row->needed; row++)
+      if (row->needed(scene, tension)) more |= FIELD_BIT(row->field);
+  PetscCall(ParticlesCreate(SceneDomain(scene), more, particles));
+  ParticlesSetStart(*particles, StartFields, scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,10 +88,29 @@ PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Between steps the swarm has the state, and the next commit would write over it what the cloud still has: what an edge
+   has changed in its fields goes into the cloud. */
+static PetscErrorCode LoadFields(Stepper stepper)
+{
+  const Cloud    cloud = stepper->cloud;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(ParticlesOpen(cloud->particles, &arrays));
+  for (const Edge *const *edge = StepEdges; *edge && arrays.n == cloud->n_owned; edge++)
+    for (const EdgeField *row = (*edge)->fields; row && row->needed; row++)
+      if (arrays.real[row->field])
+        PetscCall(
+          PetscArraycpy(cloud->field[row->field], arrays.real[row->field], arrays.n * Fields[row->field].width));
+  PetscCall(ParticlesClose(cloud->particles, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperBring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
 {
   PetscFunctionBegin;
   StepHook(stepper, bring, stepper, packing, gauges, resumed, state);
+  PetscCall(LoadFields(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

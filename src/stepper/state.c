@@ -61,16 +61,20 @@ static size_t Room(size_t size)
 
 PetscErrorCode StepEdgesCreate(Stepper stepper)
 {
-  size_t data = 0, numbers = 0;
+  size_t   data = 0, numbers = 0;
+  PetscInt sums = 0;
 
   PetscFunctionBegin;
   for (const Edge *const *edge = stepper->edges; *edge; edge++) {
     data += Room((*edge)->data_size);
     numbers += Room((*edge)->number_size);
+    sums += (*edge)->sums;
   }
   PetscCheck(numbers <= sizeof(((StepState *)NULL)->edge), stepper->cloud->comm, PETSC_ERR_PLIB,
              "The edges of a step have more numbers than StepState has room for");
   PetscCall(PetscCalloc1(data, (char **)&stepper->edge_data));
+  PetscCall(PetscCalloc1(sums, &stepper->edge_sums));
+  stepper->edge_sum_count = sums;
   for (const Edge *const *edge = stepper->edges; *edge; edge++)
     if ((*edge)->create) PetscCall((*edge)->create(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -82,6 +86,7 @@ PetscErrorCode StepEdgesDestroy(Stepper stepper)
   for (const Edge *const *edge = stepper->edges; *edge; edge++)
     if ((*edge)->destroy) PetscCall((*edge)->destroy(stepper));
   PetscCall(PetscFree(stepper->edge_data));
+  PetscCall(PetscFree(stepper->edge_sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,6 +115,14 @@ void *StepEdgeData(Stepper stepper, const char name[])
   char *at = (char *)stepper->edge_data;
 
   for (const Edge *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++) at += Room((*edge)->data_size);
+  return at;
+}
+
+PetscReal *StepEdgeSums(Stepper stepper, const char name[])
+{
+  PetscReal *at = stepper->edge_sums;
+
+  for (const Edge *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++) at += (*edge)->sums;
   return at;
 }
 

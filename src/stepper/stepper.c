@@ -240,7 +240,7 @@ static PetscErrorCode StoreViscosity(Stepper stepper)
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
+  PetscCall(StepApparentViscosity(stepper));
   PetscCall(ParticlesOpen(stepper->cloud->particles, &arrays));
   if (arrays.real[FIELD_VISCOSITY])
     PetscCall(PetscArraycpy(arrays.real[FIELD_VISCOSITY], stepper->cloud->field[FIELD_VISCOSITY], arrays.n));
@@ -335,7 +335,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   StepHook(stepper, save, stepper);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
-    trial = (StepTrial){.diagnose = diagnose};
+    trial = TrialStart(stepper, diagnose);
     StepHook(stepper, restore, stepper);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     PressureSetRepair(stepper->pressure,
@@ -367,7 +367,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt)
 {
-  StepTrial trial = {0};
+  StepTrial trial = TrialStart(stepper, PETSC_FALSE);
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
@@ -391,7 +391,7 @@ PetscErrorCode StepperRefresh(Stepper stepper)
 
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
-  StepTrial trial = {0};
+  StepTrial trial = TrialStart(stepper, PETSC_FALSE);
 
   PetscFunctionBegin;
   PetscCall(CloudBegin(stepper->cloud));
@@ -412,7 +412,7 @@ PetscErrorCode StepperPrepare(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, &state, PETSC_MAX_REAL, &dt));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
+  PetscCall(StepApparentViscosity(stepper));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_STAR], cloud->field[FIELD_VELOCITY], DIM * cloud->n_total));
   PetscCall(StepDivergence(stepper, 0));
   PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));

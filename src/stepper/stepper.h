@@ -96,6 +96,9 @@ PetscErrorCode     StepperReport(Scene scene, const StepState *state, PetscReal 
 
 /* StepperProperties - gives the domain what edges bring of properties, before any options are read. Not collective. */
 PetscErrorCode StepperProperties(Domain domain);
+/* StepperParticles - an empty swarm with the fields of every run, of viscosity and of the edges, which give them their
+   start values. Collective. */
+PetscErrorCode StepperParticles(Scene scene, Tension tension, Particles *particles);
 /* StepperCreate - of a cloud, with its tension and pressure (all borrowed). Collective. */
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
@@ -148,13 +151,14 @@ typedef struct {
 } StepBounds;
 
 /* A bound of the step as a row: its name in scene.json, its cause, its size (s), and what lifts it. StepperBounds -
-   lists those of the step that was chosen last, first the one that bounds it; returns how many. Not collective. */
+   lists those of the step that was chosen last, first the one that bounds it; returns how many. Not collective.
+   STEP_BOUNDS: the most of core and edges. */
 typedef struct {
   const char *name, *cause;
   PetscReal   step;
   const char *lift;
 } StepBound;
-#define STEP_BOUNDS 7
+#define STEP_BOUNDS 24
 PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS]);
 /* StepperUnderresolved - number of particles of viscous liquid whose neighbours in the last step lay along a line at
    most: a sheet or thread is one particle thick there and tears. Not collective. */

@@ -69,6 +69,8 @@ struct _p_Stepper {
   void              *scheme;    /* data of the scheme */
   const Edge *const *edges;     /* StepEdges */
   void              *edge_data; /* StepEdgeData */
+  PetscReal         *edge_sums; /* StepEdgeSums */
+  PetscInt           edge_sum_count;
   TimeStepLimits     limits;
   TrialLimits        trial;
   StepBounds         bounds;  /* of the last step size chosen */
@@ -167,8 +169,13 @@ void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state
    collective. */
 void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
+/* StepApparentViscosity - OperatorsApparentViscosity, and what edges change of it. Collective. */
+PetscErrorCode StepApparentViscosity(Stepper stepper);
+
 /* --- trial.c --- */
 
+/* TrialStart - a trial, and the sums of the edges, at zero. Not collective. */
+StepTrial TrialStart(Stepper stepper, PetscBool diagnose);
 /* TrialDiagnose - measures density error, largest density, area of the free surface and, with trial->diagnose, the
    divergence of FIELD_VELOCITY, at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);

@@ -68,10 +68,9 @@ static PetscErrorCode FindExtremes(Cloud cloud, PetscBool start, PetscReal extre
 
     if (arrays.integer[INT_LAYER][a]) continue;
     if (arrays.real[FIELD_VISCOSITY]) {
-      const Body body = SceneBody(cloud->scene, arrays.integer[INT_BODY][a]);
+      const Material *m = BodyMaterial(SceneBody(cloud->scene, arrays.integer[INT_BODY][a]));
 
-      if (BodyViscosityVaries(body))
-        extreme[THICKEST] = PetscMax(extreme[THICKEST], arrays.real[FIELD_VISCOSITY][a] / BodyMaterial(body)->density);
+      extreme[THICKEST] = PetscMax(extreme[THICKEST], arrays.real[FIELD_VISCOSITY][a] / m->density);
     }
     SceneAcceleration(cloud->scene, arrays.real[FIELD_POSITION] + DIM * a, g);
     extreme[kind]      = PetscMax(extreme[kind], speed);
@@ -95,7 +94,8 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
     const PetscReal flow = BodyViscosity(body, stepper->reference_velocity / h);
 
     if (m->viscosity <= 0) continue;
-    if (!BodyViscosityVaries(body)) bounds->viscosity = PetscMin(bounds->viscosity, fine * m->density / m->viscosity);
+    if (!BodyViscosityVaries(body) && thickest == 0)
+      bounds->viscosity = PetscMin(bounds->viscosity, fine * m->density / m->viscosity);
     bounds->viscosity_flow = PetscMin(bounds->viscosity_flow, fine * m->density / flow);
   }
   if (thickest > 0) bounds->viscosity = PetscMin(bounds->viscosity, fine / thickest);
@@ -204,6 +204,28 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   return bounds;
 }
 
+/* The bound of edge k, if it has one. */
+static PetscBool EdgeBound(Stepper stepper, PetscInt k, PetscReal scale, StepBound *bound)
+{
+  const Edge *edge = stepper->edges[k];
+
+  if (!edge->bound || (edge->on && !edge->on(stepper))) return PETSC_FALSE;
+  *bound = (StepBound){.step = PETSC_MAX_REAL};
+  edge->bound(stepper, scale, bound);
+  return PETSC_TRUE;
+}
+
+/* The least bound (s) of the edges. */
+static PetscReal EdgesBound(Stepper stepper, PetscReal scale)
+{
+  PetscReal step = PETSC_MAX_REAL;
+  StepBound bound;
+
+  for (PetscInt k = 0; stepper->edges[k]; k++)
+    if (EdgeBound(stepper, k, scale, &bound)) step = PetscMin(step, bound.step);
+  return step;
+}
+
 /* Whether implicit viscosity is faster for a step that all other bounds allow. */
 static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
@@ -232,7 +254,7 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
   PetscReal             step  = fixed;
 
   if (fixed == 0) {
-    step = PetscMin(PetscMin(bounds->speed, bounds->force), bounds->tension);
+    step = PetscMin(PetscMin(bounds->speed, bounds->force), PetscMin(bounds->tension, EdgesBound(stepper, 1)));
     /* In the first step the scene's velocity counts as the particles' speed, which will soon reach it. The same in a
        relaxation, which must use the steps of the run: the noise of the pressure depends on them. */
     if ((state->previous_time_step == 0 || stepper->relaxing) && velocity > 0)
@@ -283,15 +305,15 @@ PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
 {
   const TimeStepLimits *limits = &stepper->limits;
   const StepBounds      bounds = ScaleBounds(stepper, scale);
-  PetscReal             step   = PetscMin(PetscMin(bounds.speed, bounds.force), bounds.tension);
+  PetscReal step = PetscMin(PetscMin(bounds.speed, bounds.force), PetscMin(bounds.tension, EdgesBound(stepper, scale)));
 
   if (limits->fixed > 0) return limits->fixed;
   step = limits->max > 0 ? PetscMin(step, limits->max) : step;
   return PetscMax(BoundByViscosity(&stepper->viscous, &bounds, step), limits->min);
 }
 
-/* All bounds in a fixed order; PETSC_MAX_REAL: none. */
-static void ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
+/* All bounds in a fixed order, those of the edges last; PETSC_MAX_REAL: none. Returns how many. */
+static PetscInt ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
 {
   const TimeStepLimits *limits   = &stepper->limits;
   const StepBounds     *b        = &stepper->bounds;
@@ -308,16 +330,19 @@ static void ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
           {"time_step", "-time_step", limits->fixed > 0 ? limits->fixed : none, "none, for steps from the state"},
   };
 
+  PetscInt n = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(listed);
+
   (void)memcpy(all, listed, sizeof(listed));
+  for (PetscInt k = 0; stepper->edges[k] && n < STEP_BOUNDS; k++) n += EdgeBound(stepper, k, 1, &all[n]);
+  return n;
 }
 
 PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS])
 {
   StepBound all[STEP_BOUNDS];
-  PetscInt  n = 0;
+  PetscInt  n = 0, listed = ListBounds(stepper, all);
 
-  ListBounds(stepper, all);
-  for (PetscInt k = 0; k < STEP_BOUNDS; k++)
+  for (PetscInt k = 0; k < listed; k++)
     if (all[k].step < PETSC_MAX_REAL) rows[n++] = all[k];
   for (PetscInt k = 1; k < n; k++)
     if (rows[k].step < rows[0].step || rows[k].step == stepper->limits.fixed) {
@@ -332,12 +357,11 @@ PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS])
 void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
 {
   StepBound      all[STEP_BOUNDS], rows[STEP_BOUNDS];
-  const PetscInt n = StepperBounds(stepper, rows);
+  const PetscInt n = StepperBounds(stepper, rows), listed = ListBounds(stepper, all);
 
-  ListBounds(stepper, all);
   JsonText(json, "scheme", stepper->scheme_type);
   JsonObject(json, "step");
-  for (PetscInt k = 0; k < STEP_BOUNDS && chosen; k++) JsonReal(json, all[k].name, all[k].step);
+  for (PetscInt k = 0; k < listed && chosen; k++) JsonReal(json, all[k].name, all[k].step);
   if (chosen) JsonText(json, "binds", n > 0 ? rows[0].name : NULL);
   JsonEnd(json);
   for (const Edge *const *edge = stepper->edges; *edge; edge++)

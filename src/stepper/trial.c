@@ -30,6 +30,12 @@ static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
   return (PetscBool)!BodyHolds(body, x, reach);
 }
 
+StepTrial TrialStart(Stepper stepper, PetscBool diagnose)
+{
+  for (PetscInt k = 0; k < stepper->edge_sum_count; k++) stepper->edge_sums[k] = 0;
+  return (StepTrial){.diagnose = diagnose};
+}
+
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
 {
   Cloud      cloud = stepper->cloud;
@@ -72,6 +78,9 @@ PetscErrorCode TrialReduce(Stepper stepper, StepTrial *trial)
     trial->sum[SUM_KINETIC] += 0.5 * m * Dot(v + DIM * a, v + DIM * a);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->largest, LARGEST_COUNT, MPIU_REAL, MPIU_MAX, cloud->comm));
+  if (stepper->edge_sum_count > 0)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, stepper->edge_sums, (PetscMPIInt)stepper->edge_sum_count, MPIU_REAL,
+                               MPIU_SUM, cloud->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, trial->sum, SUM_COUNT, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,8 +73,9 @@ def rows(known):
 def sound(option):
     """Whether the row of an option says all that it should."""
     number = option["kind"] in ("real", "int", "point", "direction", "numbers")
+    listed = option["kind"] in ("word", "choice") or option["kind"] == "names" and "values" in option
     return option["meaning"][:1] and option["place"] and option["group"] and (
-        not number or option["unit"]) and ("values" in option) == (option["kind"] in ("word", "choice"))
+        not number or option["unit"]) and ("values" in option) == listed
 
 
 def main():

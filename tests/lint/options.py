@@ -29,7 +29,8 @@ def lines(path):
 
 with open(os.path.join(ROOT, "options", "options.json"), encoding="utf-8") as rows:
     options = json.load(rows)["options"]
-known = {option["name"][1:].replace("<face>", axis + end) for option in options for axis in "xyz" for end in ("min", "max")}
+faces = [axis + end for axis in "xyz" for end in ("min", "max")]
+known = {option["name"][1:].replace("<face>", face) for option in options for face in faces}
 tails = {option["name"][len("-<body>"):] for option in options if option["owner"] == "<body>"}
 files = sorted(glob.glob(os.path.join(ROOT, "cases/*/*.opts")) + glob.glob(os.path.join(ROOT, "options/*.opts")))
 bad = [] if known and files else ["options/options.json lists no options, or there are no files of them"]

@@ -40,7 +40,7 @@ static inline PetscErrorCode SetupOpenWith(MPI_Comm comm, const char options[], 
   PetscCall(SceneSetFromOptions(s->scene));
   PetscCall(TensionCreate(s->domain, s->scene, s->kernel, &s->tension));
   PetscCall(TensionSetFromOptions(s->tension));
-  PetscCall(ParticlesCreate(s->domain, SceneViscosityVaries(s->scene), TensionHasLaw(s->tension), &s->particles));
+  PetscCall(StepperParticles(s->scene, s->tension, &s->particles));
   PetscCall(CloudCreate(s->domain, s->scene, s->kernel, s->particles,
                         PetscMax(KernelSupport(s->kernel), TensionReach(s->tension)), &s->cloud));
   PetscCall(CloudSetFromOptions(s->cloud));

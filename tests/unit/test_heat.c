@@ -1,0 +1,110 @@
+/* Conduction between particles: Fourier's series in a strip, what two liquids exchange, and that heat stays, in the
+   plane and as rings. Runs on any number of ranks. */
+#include "../../src/heat/heat_impl.h"
+#include "check.h"
+#include "setup.h"
+
+#define TERMS 200
+/* a strip of 50 spacings, cold on the left; its diffusivity is 1e-5 m2/s, kernels end at its insulated ends */
+#define STRIP                                                                                                          \
+  "-packing_jitter 0 -dimension 2 -spacing 0.2e-3 -box_lower 0,0 -box_upper 10e-3,2e-3 -box_x wall -box_y periodic "   \
+  "-bodies cold,hot "                                                                                                  \
+  "-cold_upper 5e-3,2e-3 -hot_lower 5e-3,0 -cold_temperature 300 -hot_temperature 350 "                                \
+  "-cold_thermal_conductivity 41.84 -hot_thermal_conductivity 41.84 "
+#define CUP                                                                                                            \
+  "-dimension axisymmetric -spacing 0.5e-3 -box_lower 0,0 -box_upper 5e-3,5e-3 -box_ymin wall -bodies tea,milk "       \
+  "-tea_upper 5e-3,2.5e-3 -milk_lower 0,2.5e-3 -tea_temperature 360 -milk_temperature 280 -milk_heat_capacity 3900 "   \
+  "-tea_thermal_conductivity 0.6 -milk_thermal_conductivity 0.5 -milk_density 1030 "
+
+/* Of the fluid: the sum of m c T (J), and the largest difference to Fourier's series at a time (s) with -box_x wall. */
+static void Measure(Setup *s, PetscReal time, PetscReal *heat, PetscReal *error)
+{
+  const Cloud     cloud = s->cloud;
+  const PetscReal L     = cloud->domain->upper[0];
+
+  *heat = *error = 0;
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal x = cloud->field[FIELD_POSITION][DIM * a], T = cloud->field[FIELD_TEMPERATURE][a];
+    PetscReal       exact = 325;
+
+    for (PetscInt n = 1; n < TERMS; n++) {
+      const PetscReal k = n * PETSC_PI / L;
+
+      exact -= 100 / (n * PETSC_PI) * PetscSinReal(0.5 * n * PETSC_PI) * PetscCosReal(k * x) *
+               PetscExpReal(-1e-5 * k * k * time);
+    }
+    *error = PetscMax(*error, PetscAbsReal(T - exact));
+    *heat +=
+      cloud->rest_density[a] * cloud->volume[a] * HeatOf(cloud->scene, cloud->integer[INT_BODY][a])->capacity * T;
+  }
+  *heat  = SetupSum(*heat);
+  *error = SetupMax(*error);
+}
+
+static PetscErrorCode Conduct(const char options[], PetscReal dt, PetscInt steps, Setup *s, PetscReal heat[2],
+                              PetscReal *error)
+{
+  PetscFunctionBegin;
+  PetscCall(SetupPack(options, s));
+  PetscCall(SetupMoments(s));
+  Measure(s, 0, &heat[0], error);
+  for (PetscInt k = 0; k < steps; k++) PetscCall(HeatSpread(s->cloud, dt));
+  Measure(s, steps * dt, &heat[1], error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TestStrip(void)
+{
+  Setup     s;
+  PetscReal heat[2], error, low = PETSC_MAX_REAL, high = 0;
+  PetscInt  right = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(STRIP, &s));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    const PetscReal T = s.cloud->field[FIELD_TEMPERATURE][a];
+
+    right += T == (s.cloud->field[FIELD_POSITION][DIM * a] < 5e-3 ? 300 : 350);
+    low  = PetscMin(low, T);
+    high = PetscMax(high, T);
+  }
+  CHECK(right == s.cloud->n_fluid, "a body's temperature at the start");
+  CHECK(-SetupMax(-low) == 300 && SetupMax(high) == 350, "both are there");
+  PetscCall(SetupClose(&s));
+  PetscCall(Conduct(STRIP, 5e-4, 200, &s, heat, &error));
+  CHECK_CLOSE(error / 50, 0, 1e-3, "step in a strip, of the step");
+  CHECK_CLOSE(heat[1] / heat[0], 1, 1e-12, "heat of the strip stays");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In the end both have the temperature of their mixture. */
+static PetscErrorCode TestCup(void)
+{
+  Setup     s;
+  PetscReal heat[2], error, all = 0, mixed, most = 0;
+
+  PetscFunctionBegin;
+  PetscCall(Conduct(CUP, 0.1, 4000, &s, heat, &error));
+  CHECK_CLOSE(heat[1] / heat[0], 1, 1e-8, "heat of two liquids as rings stays"); /* weights have single precision */
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    all +=
+      s.cloud->rest_density[a] * s.cloud->volume[a] * HeatOf(s.cloud->scene, s.cloud->integer[INT_BODY][a])->capacity;
+  mixed = heat[0] / SetupSum(all);
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    most = PetscMax(most, PetscAbsReal(s.cloud->field[FIELD_TEMPERATURE][a] - mixed));
+  CHECK_CLOSE(SetupMax(most), 0, 1e-2, "one temperature in the end");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+int main(int argc, char **argv)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
+  PetscCall(TestStrip());
+  PetscCall(TestCup());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscFinalize());
+  return CHECK_DONE();
+}
