@@ -2,9 +2,9 @@
 
      Q_ab = 2 V_a V_b k_ab F_ab (T_b - T_a)/C_ab,    k_ab = 2 k_a k_b/(k_a + k_b),    C_ab = (C_a + C_b)/2
 
-   the sum of Brookshaw (1985) with the mean of Cleary and Monaghan (1999). F = -W'/r. C_a is the sum's own second
-   moment, C_a = sum V_b r^2 F_ab/dim over the fluid: 1 inside, half of it at a surface, where the sum lacks half of its
-   pairs and would conduct half as well. What a gives is what b gets. */
+   the sum of Brookshaw (1985) with the mean of Cleary and Monaghan (1999). F = -W'/r. C_a is the second moment of the
+   sum, sum V_b r^2 F_ab/dim, 1 but for the places of the particles; near a free surface, which no heat crosses, the
+   missing pairs are none of it: 1. What a gives is what b gets. */
 #include "../neighbors/pairs.h"
 #include "heat_impl.h"
 
@@ -27,8 +27,9 @@ static PetscErrorCode FindMoments(Cloud cloud, PetscReal scale_f, PetscReal C[])
       const PetscReal r[DIM] = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1],
                                 x[DIM * a + 2] - x[DIM * b + 2]};
 
-      if (!cloud->integer[INT_LAYER][b]) C[a] += Slope(cloud, k, scale_f) * Dot(r, r) / cloud->domain->dim;
+      C[a] += Slope(cloud, k, scale_f) * Dot(r, r) / cloud->domain->dim;
     }
+    if (cloud->integer[INT_SURFACE][a]) C[a] = 1;
   }
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, C));
   PetscFunctionReturn(PETSC_SUCCESS);
