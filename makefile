@@ -12,6 +12,7 @@
 #   make tradeoff       what each choice costs in a scene of your own: SCENE=my.opts GAUGES=a,b
 #   make bench          speed; SIZE=full: of a million particles too
 #   make answer         a value with its error bar: SCENE=my.opts QUANTITY=highest:max ACCURACY=5; make study: VARY too
+#   make fit            values of options from a measured curve: SCENE=my.opts CURVE=lab.csv FREE="drop_tension=0.02,0.1"
 #   make install        PREFIX=$HOME/isph: program, library, manual page, completion, options, cases, pictures, Python;
 #                       make uninstall removes them
 #   make deb            a Debian package of the same: output/deb/isph_*.deb; make gallery: a static site of all cases
@@ -89,7 +90,7 @@ NUMBER := $(if $(filter command,$(origin JOBS)),--jobs "$$JOBS")
 
 # What users give reaches the shell in the environment and is never read by it: recipes say "$$RUN". Lists of words are
 # split at blanks and nothing else: set -f; $$FLAGS. The values are kept as they are typed, also before make.
-GIVEN = ACCURACY BASE BUDGET CASE COMMIT FLAGS FROM GAUGES JOBS MUTANT ONLY QUANTITY RANKS RUN SCENE SIZE STATE TARGET VARY \
+GIVEN = ACCURACY BASE BUDGET CASE COMMIT CURVE FLAGS FREE FROM GAUGES JOBS MUTANT ONLY QUANTITY RANKS RUN SCENE SIZE STATE TARGET VARY \
   WAYS
 $(foreach name,$(GIVEN),$(eval override $(name) := $$(value $(name))))
 export $(GIVEN) DESTDIR PREFIX
@@ -118,7 +119,8 @@ run-axisymmetric: packages
 PREFIX = /usr/local
 SHARE  = "$$DESTDIR$$PREFIX"/share/isph
 PYTHON_PLACE = lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell $(PYTHON) -c 'import sys; print(f"python{sys.version_info[0]}.{sys.version_info[1]}")'))/dist-packages
-TOOLS = pictures/pictures pictures/film pictures/mesh pictures/report answers/answer answers/study answers/reduce
+TOOLS = pictures/pictures pictures/film pictures/mesh pictures/report answers/answer answers/study answers/fit \
+  answers/reduce
 install: $(PROGRAM) $(LIBRARIES)
 	install -D -m 755 $(PROGRAM) "$$DESTDIR$$PREFIX"/bin/isph
 	for library in $(LIBRARIES:$(BUILD)/lib/%=%); do \

@@ -31,6 +31,7 @@ TARGETS = (("pictures", {"RUN": EVIL, "FLAGS": WORDS}, [EVIL, *SPLIT]),
            ("report", {"RUN": EVIL, "FLAGS": WORDS}, [EVIL, *SPLIT]),
            ("tradeoff", {"SCENE": EVIL, "GAUGES": EVIL, "BUDGET": EVIL, "TARGET": EVIL, "WAYS": WORDS},
             [EVIL, f"--gauges={EVIL}", f"--budget={EVIL}", f"--target={EVIL}", "--ways", *SPLIT]),
+           ("fit", {"SCENE": EVIL, "CURVE": EVIL, "FREE": EVIL, "FLAGS": WORDS}, [EVIL, EVIL, EVIL, *SPLIT]),
            ("tradeoff", {"CASE": EVIL}, [f"--case={EVIL}"]),
            ("tradeoff-readme", {"CASE": EVIL}, [f"--case={EVIL}", "--readme"]),
            ("compare-solvers", {"STATE": EVIL, "RANKS": EVIL}, ["--ranks", EVIL, EVIL]),
@@ -84,8 +85,8 @@ helped = subprocess.run([os.path.join(prefix, "bin", "isph-pictures"), "--help"]
 runs.check(helped.returncode == 0 and "--color" in helped.stdout, "install PREFIX", helped.stdout[-300:])
 
 # no recipe puts such a variable into the text that the shell reads
-names = "BASE|BUDGET|CASE|COMMIT|DESTDIR|FLAGS|FROM|GAUGES|JOBS|MUTANT|ONLY|PREFIX|RANKS|RUN|SCENE|SIZE|STATE|" \
-    "TARGET|WAYS"
+names = "BASE|BUDGET|CASE|COMMIT|CURVE|DESTDIR|FLAGS|FREE|FROM|GAUGES|JOBS|MUTANT|ONLY|PREFIX|RANKS|RUN|SCENE|" \
+    "SIZE|STATE|TARGET|WAYS"
 bare = []
 for folder, _, files in os.walk(runs.ROOT):
     if os.path.relpath(folder, runs.ROOT).split(os.sep)[0] in ("output", ".git"):
