@@ -119,6 +119,7 @@ int main(int argc, char **argv)
   PetscErrorCode  code  = PETSC_SUCCESS;
   const PetscBool alone = (PetscBool)(argc > 1 && !strcmp(argv[1], "alone"));
 
+  (void)signal(SIGHUP, SIG_DFL); /* nohup ignores it */
   ProgramStart();
   if (MPI_Init(&argc, &argv) || UserErrorHandlerPush()) return 2;
   InterruptBlock();

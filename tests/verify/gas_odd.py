@@ -169,13 +169,15 @@ series = runs.series(runs.run(TANK, "tank"))
 runs.check(series["time"][-1] > 0.179, "gaps_in_a_full_tank", series["time"][-1])
 runs.check_below(series["kinetic_energy"].max(), 1, "energy_in_a_full_tank")
 
-# A dam break beyond its plunge: the tube of gas breaks up, and voids open in the liquid. With the pressure around them
-# outside, these grew: 70 and 23 J/m of 265. Energy of liquid and gas may only fall; 2 J/m are left for what splits do.
-# Four packings of three versions gained 0.3 to 3.8 J/m, by chance: the median counts.
-DAM = f"""-options_file {runs.ROOT}/cases/dam_break/impact.opts -spacing 0.015 -gas -gauge_pockets -series_interval 2e-3
+# A dam break beyond its plunge: the tube of gas breaks up, and voids open in the liquid. Energy of liquid and gas may only
+# fall. Single gains are of an instant: fronts that meet a wall before any gas, gas that is squeezed for some 10 ms.
+# Averaged over 50 ms, energy rose in none of 24 packings; with voids at the pressure around them it rose by 0.09 and
+# more, with rows in films that see one gas alone by 0.05.
+DAM = f"""-options_file {runs.ROOT}/cases/dam_break/impact.opts -spacing 0.02 -gas -gauge_pockets -series_interval 2e-3
  -snapshot_interval 5 -time_end 1.8 """
-gained = []
-for seed in 1, 2, 3:
+SPAN = np.ones(25) / 25  # lines of the series
+most = []
+for seed in range(1, 7):
     folder = runs.run(DAM + f"-packing_seed {seed}", f"dam_{seed}")
     series, gas = runs.series(folder), pockets(folder)
     full = gas["amount"] > 0  # others are voids
@@ -183,11 +185,12 @@ for seed in 1, 2, 3:
     spring = AIR * (amount / (GAMMA - 1) * ((amount / volume) ** (GAMMA - 1) - 1) + volume - amount)
     energy = series["kinetic_energy"] + series["potential_energy"]
     energy += [spring[gas["time"][full] == time].sum() for time in series["time"]]
-    gained.append((energy - np.minimum.accumulate(energy)).max() / energy[0])
+    mean = np.convolve(energy[series["time"] >= gas["time"][full].min()], SPAN, "valid") / energy[0]
+    runs.check_below((mean - np.minimum.accumulate(mean)).max(), 0.0075, f"breaking_wave_gains_no_energy_{seed}")
     with h5py.File(runs.numbered(folder, "checkpoint")[-1]) as state:
         enclosed, vented, lost = (state.attrs[f"gas_{name}"] for name in ("enclosed", "vented", "lost"))
         left = state["gas_pocket_table"][:, 0].sum() if state.attrs["gas_pockets"] else 0
     runs.check_below(abs(enclosed - vented - lost - left) / enclosed, 1e-12, f"breaking_wave_keeps_account_{seed}")
-    runs.check(full.any() and gas["amount"][full].max() > 0.01, f"breaking_wave_encloses_gas_{seed}", gas["amount"])
-runs.check_below(np.median(gained), 0.0075, "breaking_wave_gains_no_energy")
+    most.append(amount.max())
+runs.check(np.median(most) > 0.01, "breaking_wave_encloses_gas", most)
 runs.done()
