@@ -52,8 +52,6 @@ class Quantity:
             raise tables.Error(f"QUANTITY={self.text}: the series has no column {name}; there are: "
                                   f"{', '.join(column for column in series if column != 'time')}.")
         t, y = np.array(series["time"]), factor * np.array(series[name])
-        if self.row and {"pressure", "step"} & set(self.row["needs"]) and len(y) > 1:
-            y[0] = np.nan  # of no step
         return t[t <= end], y[t <= end]
 
     def of(self, series, end=math.inf):

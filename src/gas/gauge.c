@@ -33,8 +33,8 @@ static PetscErrorCode Columns_Pockets(Gauges gauges, const void *data, ColumnLis
 {
   PetscFunctionBegin;
   if (!RunGas(gauges)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_RUN, .of = OF_SCENE}, "gas_pockets"));
-  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_SCENE}, "gas_volume"));
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_RUN, .needs = NEEDS_STEP}, "gas_pockets"));
+  PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .needs = NEEDS_STEP}, "gas_volume"));
   PetscCall(ColumnAdd(list, (Column){.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_SCENE, .needs = NEEDS_PRESSURE},
                       "gas_pressure_max"));
   PetscFunctionReturn(PETSC_SUCCESS);

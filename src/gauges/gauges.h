@@ -43,8 +43,8 @@ typedef enum {
 #define NEEDS_GRAVITY   1U
 #define NEEDS_TENSION   2U
 #define NEEDS_VISCOSITY 4U
-#define NEEDS_PRESSURE  8U  /* of a step: the first state of a run has none */
-#define NEEDS_STEP      16U /* the step before: the first state of a run has none */
+#define NEEDS_PRESSURE  8U  /* of a step ... */
+#define NEEDS_STEP      16U /* ... or what else it leaves: series and tables have nan before the first step */
 #define COLUMN_NEEDS    5   /* that have a word */
 #define NEEDS_PAST      32U /* all steps before: a sum over them */
 

@@ -139,6 +139,13 @@ PetscErrorCode SeriesStart(Output output, PetscBool same, const StepState *state
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Before the first step: what one has to fill has no value yet. */
+static void Blank(PetscInt count, const Column columns[], PetscReal values[])
+{
+  for (PetscInt c = 0; c < count; c++)
+    if (columns[c].needs & (NEEDS_PRESSURE | NEEDS_STEP)) values[c] = NAN;
+}
+
 /* The columns of the whole scene. */
 static void FillColumns(Output output, const SeriesValues *v, PetscReal line[])
 {
@@ -158,12 +165,16 @@ PetscErrorCode OutputMeasure(Output output, const StepState *state, PetscInt *co
 
   PetscFunctionBegin;
   PetscCall(GaugesColumns(output->gauges, count, &columns));
-  *count += OWN;
-  if (!output->line) PetscCall(PetscMalloc1(*count, &output->line));
+  if (!output->line) PetscCall(PetscMalloc1(OWN + *count, &output->line));
   PetscCall(GaugesMeasure(output->gauges, output->line + OWN)); /* first: a crater measures the level */
   PetscCall(GaugesTotals(output->gauges, &v.totals));
   v.wall = OutputWallTime(output);
   FillColumns(output, &v, output->line);
+  if (!state->step) {
+    Blank(OWN, own, output->line);
+    Blank(*count, columns, output->line + OWN);
+  }
+  *count += OWN;
   *values = output->line;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -219,9 +230,10 @@ PetscErrorCode SeriesWriteTables(Output output, const StepState *state, PetscBoo
 
     if (GaugesTableEvents(output->gauges, t) != events) continue;
     PetscCall(GaugesTableRows(output->gauges, t, state->time, &count, &width, &values));
+    PetscCall(GaugesTableColumns(output->gauges, t, &file, &width, &columns));
+    for (PetscInt r = 0; r < count && !state->step; r++) Blank(width, columns, values + r * width);
     if (!output->rank) error = TableWrite(output->table_file[t], state, TABLE_DIGITS, count, width, values);
     PetscCall(PetscFree(values));
-    PetscCall(GaugesTableColumns(output->gauges, t, &file, &width, &columns));
     PetscCall(FolderStatus(output, error, "write", file));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -32,8 +32,6 @@ def chosen(table, rows, wanted=None):
     found = {}
     for name, values in table.items():
         values, row = np.array(values, dtype=float), rows.get(name, {})
-        if "step" in row.get("needs", ()):
-            values[np.array(table["step"]) == 0] = np.nan  # no step yet
         good = values[np.isfinite(values)]
         asked = row.get("counts") != "run" and name not in BESIDE if not wanted else \
             "all" in wanted or any(name.startswith(w) for w in wanted)

@@ -84,6 +84,77 @@ static PetscErrorCode TestInterrupts(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a unit is worth in SI by its letters: factors behind a blank or a slash, each a prefix, a name and a power. */
+static double Worth(const char unit[])
+{
+  static const struct {
+    const char *name;
+    double      value;
+  } bases[]    = {{"degrees", PETSC_PI / 180},
+                  {"rad", 1},
+                  {"rpm", PETSC_PI / 30},
+                  {"deg", PETSC_PI / 180},
+                  {"min", 60},
+                  {"bar", 1e5},
+                  {"dyn", 1e-5},
+                  {"Pa", 1},
+                  {"Hz", 1},
+                  {"P", 0.1},
+                  {"N", 1},
+                  {"m", 1},
+                  {"s", 1},
+                  {"h", 3600},
+                  {"g", 1e-3},
+                  {"1", 1}},
+    prefixes[] = {{"", 1}, {"n", 1e-9}, {"u", 1e-6}, {"m", 1e-3}, {"c", 1e-2}, {"h", 1e2}, {"k", 1e3}, {"M", 1e6}};
+  double value = 1;
+
+  for (const char *part = unit, *end; *part; part = end) {
+    const double below = part > unit && part[-1] == '/' ? -1 : 1;
+    double       worth = NAN;
+    size_t       letters;
+
+    end     = part + strcspn(part, " /");
+    letters = strcspn(part, " /23");
+    for (size_t p = 0; p < PETSC_STATIC_ARRAY_LENGTH(prefixes) && worth != worth; p++)
+      for (size_t b = 0; b < PETSC_STATIC_ARRAY_LENGTH(bases); b++) {
+        const size_t first = strlen(prefixes[p].name);
+
+        if (letters == first + strlen(bases[b].name) && !strncmp(part, prefixes[p].name, first) &&
+            !strncmp(part + first, bases[b].name, letters - first))
+          worth = prefixes[p].value * bases[b].value;
+      }
+    value *= pow(worth, below * (part + letters < end ? part[letters] - '0' : 1));
+    if (*end) end++;
+  }
+  return value;
+}
+
+/* Each word of each unit is worth what its letters say. */
+static PetscErrorCode TestWords(void)
+{
+  static const char *const units[] = {"m",       "s",   "m/s",  "m/s2", "1/s", "Hz",    "rad/s",
+                                      "degrees", "N/m", "Pa s", "Pa",   "kg",  "kg/m3", "kg m2"};
+  int                      words   = 0;
+
+  PetscFunctionBegin;
+  for (size_t u = 0; u < PETSC_STATIC_ARRAY_LENGTH(units); u++) {
+    char list[256] = "", number[64], text[64];
+
+    UnitsList(units[u], list, sizeof(list));
+    for (char *word = strtok(list, ","); word; word = strtok(NULL, ","), words++) {
+      const double wanted = Worth(word + 1) / Worth(units[u]);
+      PetscBool    any;
+
+      (void)snprintf(number, sizeof(number), "1%s", word);
+      CHECK(UnitsConvert(units[u], number, text, sizeof(text), &any), word + 1);
+      CHECK_CLOSE(strtod(text, NULL), wanted, 1e-14 * wanted, word + 1);
+    }
+  }
+  CHECK(words == 35, "no word is without a unit here");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A power of ten changes the exponent alone; a list has the unit of its last number. */
 static PetscErrorCode TestUnits(void)
 {
@@ -131,6 +202,7 @@ int main(int argc, char **argv)
   } else {
     PetscCall(TestDuration());
     PetscCall(TestUnits());
+    PetscCall(TestWords());
     PetscCall(TestInterrupts());
     PetscCall(TestPrinter());
     RefuseBegin();
