@@ -459,4 +459,39 @@ class Vessel(Scene):
             self.set("spacing_follow", self.draw.choice(("surface", "curvature", "auto")))
 
 
-FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40)}  # each with the number of its scenes in the tests
+class Channel(Vessel):
+    """Scenes with a periodic axis, along which walls, driven and free solids, contact lines and liquid slide."""
+
+    def __init__(self, number):
+        self.draw = random.Random(f"channel {number}")
+        self.options, self.bodies, self.solids = {}, [], []
+        self.kind = self.draw.choice(("2", "2", "3"))
+        self.rings, self.dim = False, 3 if self.kind == "3" else 2
+        self.steps = 40 if self.dim == 2 else 20
+        self.up, self.across, self.wide, self.high = "yz"[self.dim - 2], "xy"[:self.dim - 1], 0.6, 0.8
+        self.set("dimension", self.kind)
+        self.sides(("periodic",))
+        self.set(f"box_{self.up}min_velocity", *self.vector(self.draw.choice((0, 0.3)), 0))
+        covered = self.draw.choice((0.3, 0.6))  # of the way along the floor
+        self.body("a", "box", upper=self.corner(covered, 0.4))
+        if covered < 0.6:  # contact lines
+            self.set("a_lower", *self.corner(-covered, 0))
+            self.set("a_tension", 120)
+            self.set("wall_contact_angle", self.draw.choice((60, 120)))
+            self.set("wall_contact_hysteresis", self.draw.choice((0, 40)))
+        self.set("a_velocity", *self.vector(self.draw.choice((0, 0.2)), 0))
+        self.set("a_viscosity", self.draw.choice((1, 10)))
+        if self.odds(0.7):
+            self.solids.append("plate")
+            self.set("plate_lower", *self.corner(-0.12, 0.16))
+            self.set("plate_upper", *self.corner(0.12, 0.28))
+            self.set("plate_velocity", *self.vector(self.draw.choice((-0.5, 0.5)), 0))
+        elif covered == 0.6:
+            self.raft(0.4)
+        if self.solids:
+            self.set("solids", ",".join(self.solids))
+        self.set("bodies", "a")
+        self.numerics()
+
+
+FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40), "channel": (Channel, 20)}  # each with the number of its scenes in the tests

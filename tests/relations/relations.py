@@ -23,9 +23,10 @@ import sys
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, ".."), HERE]
+sys.path[:0] = [os.path.join(HERE, ".."), HERE, os.path.join(HERE, "..", "verify")]
 import kept  # noqa: E402
 import numpy as np  # noqa: E402
+import physics  # noqa: E402
 import random_scenes  # noqa: E402
 import runs  # noqa: E402
 from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
@@ -43,6 +44,12 @@ MANY = 10                      # what differs by more may differ by so many time
 JOLTS, ELSEWHERE = (1e-9, -2e-8, 3e-8), (3.77, 100.3, -330.7)  # shifted by so many spacings: rounding turns weights of
 #                                pairs, which the settling of a packing, or liquid that yields, carries on
 MOST_STEPS = 2000              # of a run at half the spacing
+AMONG_WALLS = 0.08             # of the spacing that all moves along walls, whose particles stand in other places then:
+#                                up to 0.05, a wrong velocity or a contact line that sticks makes 0.1 and more
+ENERGIES = 1e-5                # of the largest energy, by which one may differ where it is added up in another way
+BRIEF, SLACK = 1e-6, 0.05     # a step so many times shorter changes nothing by more than so much
+UNSEEN = 0.01                  # % of the energy exchanged, which rounding and the solver may leave
+SAID = 0.2                     # of the steps, by which a dry run may be wrong, or two
 SAME_PLACE = 1e-6              # spacings: a start that differs by more has another packing
 REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|"
                      r"too small for the kernel|covered by a solid).*)", re.S)
@@ -74,6 +81,24 @@ class Run:
     def end(self):
         """Every field of the last checkpoint."""
         return runs.fields(runs.numbered(self.folder, "checkpoint")[-1])
+
+    def energies(self):
+        """{name: J} of the works and energies that the run has added up, and the largest of all."""
+        head = runs.head(runs.numbered(self.folder, "checkpoint")[-1])
+        found = {name: value for name, value in head.items() if re.search("_(work|energy|swept)$", name)}
+        return found, max(head["kinetic_most"], *(abs(v) for v in found.values()), 1e-300)
+
+    def text(self, name):
+        with open(os.path.join(self.folder, name), encoding="utf-8") as file:
+            return file.read()
+
+    def table(self, name):
+        """The columns of a table by their names without units, or none."""
+        if not os.path.exists(os.path.join(self.folder, name)):
+            return {}
+        rows = np.genfromtxt(os.path.join(self.folder, name), delimiter=",", names=True, deletechars="")
+        heads = {c["head"]: c["name"] for c in json.loads(self.text("scene.json"))["columns"] if c["file"] == name}
+        return {heads[head]: np.atleast_1d(rows[head]) for head in rows.dtype.names}
 
 
 class Trial:
@@ -109,6 +134,22 @@ class Trial:
     def plain(self):
         """The scene as it is."""
         return self.run(self.scene)
+
+    def gauged(self, more="", steps=None):
+        """The same with much that is measured and written."""
+        more += " -gauge_forces -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_spread -snapshot_walls "
+        more += f"-snapshot_interval 1e-30 -gauge_points {middle_of(self.scene)} "
+        more += f"-gauge_neck {'y' if self.scene.dim == 2 else 'z'} " + "-gauge_pockets" * ("gas" in self.scene.options)
+        return self.run(self.scene, more, steps=steps)
+
+    @functools.cached_property
+    def measured(self):
+        return self.gauged()
+
+    @functools.cached_property
+    def longer(self):
+        """The scene as it is, for more steps."""
+        return self.run(self.scene, steps=self.long)
 
     @functools.cached_property
     def tight(self):
@@ -229,15 +270,16 @@ def dump(t):
 
 def restart(t):
     """A run continued from a checkpoint in its middle is the run, to the bit."""
-    series = runs.series(t.plain.folder)
+    counts = "emitter" in t.scene.options.values()  # fillings, which take their time
+    steps, series = (t.long, runs.series(t.longer.folder)) if counts else (t.steps, runs.series(t.plain.folder))
     middle = 0.5 * (series["time"][0] + series["time"][-1]) - series["time"][0]
-    whole = t.run(t.scene, f"-checkpoint_interval {middle!r}")
+    whole = t.run(t.scene, f"-checkpoint_interval {middle!r}", steps=steps)
     first = runs.numbered(whole.folder, "checkpoint")[0]
     step = int(runs.head(first)["step"])
-    if step >= t.steps:
+    if step >= steps:
         return [f"no checkpoint before step {step}"]
     more = f"-checkpoint_interval {middle!r} -restart {first}"
-    rest = Run(t.start(t.scene, more, steps=t.steps - step))
+    rest = Run(t.start(t.scene, more, steps=steps - step))
     heads = [runs.head(runs.numbered(r.folder, "checkpoint")[-1]) for r in (whole, rest)]
     found = runs.unlike(whole.end(), rest.end()) + [
         f"attribute {k}" for k in heads[0] if k not in ("wall_time", "options") and not np.array_equal(
@@ -245,18 +287,25 @@ def restart(t):
     return found + runs.unlike_lines(runs.series(whole.folder), runs.series(rest.folder))
 
 
+def added_up(one, other, copies=1):
+    """Works and energies of a run that are not those of another, whose part of the scene is one of so many."""
+    (a, most), (b, _) = one.energies(), other.energies()
+    return [f"{name} {copies * b[name]:.6g} for {a[name]:.6g} J" for name in a
+            if abs(a[name] - copies * b[name]) > ENERGIES * most]
+
+
 def ranks(t):
-    """Two or three ranks compute what one does."""
+    """Two, three or four ranks compute what one does, and add up the same energies."""
     start, (scene, one) = "", t.tight
     if t.scene.options.get("packing_type") == "poisson":  # it ends elsewhere on other ranks: one makes it
         start = "-restart " + runs.numbered(t.run(scene, steps=1).folder, "checkpoint")[-1]
         one = t.run(scene, start)
-    n = 2 + zlib.crc32(t.scene.name.encode()) % 2
+    n = 2 + zlib.crc32(t.scene.name.encode()) % 3
     other = t.run(scene, start, ranks=n)
     wrong = close(scene, one, other)
     if wrong and not start:
         wrong = close(scene, one, other, limit=max(CLOSE, MANY * chance(t, scene, one)))
-    return [f"on {n}: {why}" for why in wrong]
+    return [f"on {n}: {why}" for why in wrong or added_up(one, other)]
 
 
 def bodies(t):
@@ -320,9 +369,7 @@ def units(t):
 
 def outputs(t):
     """What is measured and written does not change the run, to the bit."""
-    more = "-gauge_forces -gauge_droplets -gauge_pinch_off -gauge_spread -snapshot_interval 1e-30 -snapshot_walls "
-    more += f"-gauge_points {middle_of(t.scene)} -gauge_neck {'y' if t.scene.dim == 2 else 'z'}"
-    return same(t.plain, t.run(t.scene, more))
+    return same(t.plain, t.measured)
 
 
 def middle_of(scene):
@@ -361,11 +408,11 @@ def half(t):
         raise Unfit("the lattice of the whole has particles on the mirror")
     if nearest(scene, other.first["position"], places)[1].max() > SAME_PLACE:
         raise Unfit("of points that are as near to the surface of a body, the half's packing has others")
-    whole, less = (runs.series(r.folder)["kinetic_energy"] for r in (whole, other))
+    runs_of, (whole, less) = (whole, other), (runs.series(r.folder)["kinetic_energy"] for r in (whole, other))
     most = max(np.abs(whole).max(), 1e-300)
     apart = np.abs(whole - images * less).max() / most
     if apart <= HALF:
-        return []
+        return added_up(*runs_of, images)
     rounding = max((np.abs(whole - runs.series(other.folder)["kinetic_energy"]).max() / most
                     for _, other in shifted(t, scene, ELSEWHERE)), default=0.0)
     return [] if apart <= MANY * rounding else [f"kinetic energies differ by {apart:.2g} of it, those of the whole by "
@@ -455,16 +502,134 @@ def frame(t):
     return wrong
 
 
+def stream(t):
+    """Along a periodic axis all may move with one velocity besides: liquid, walls, solids, contact lines."""
+    scene = t.tight[0]
+    axes = [d for d in range(scene.dim) if scene.face("xyz"[d], "min") == "periodic" and not (scene.rings and not d)]
+    if not axes:
+        raise Unfit("no axis is periodic")
+    if scene.names("fine") or {"emitter", "poisson"} & set(scene.options.values()) or (
+            {"central_force_rate", "frame_rotation_rate"} & set(scene.options)) or any(
+                name.endswith(("_motion_file", "_taylor_green_amplitude")) for name in scene.options):
+        raise Unfit("something stands where it is, or has a table of its motion")
+    if scene.options.get("scheme", "consistent") != "consistent":
+        raise Unfit("its steps or its speed of sound follow from the scene's speeds")
+    dt = float(runs.series(t.plain.folder)["time_step"][1:].min())
+    way = np.zeros(scene.dim)
+    way[axes[0]] = scene.spacing / (t.steps * dt)  # a spacing in all
+    walls = [f"box_{letter}{end}_velocity" for (letter, end), kind in scene.faces().items() if kind == "wall"]
+    movers = [f"{name}_velocity" for name in scene.names("bodies", "solids")] + walls
+    fixed = scene.copy(time_step=[dt])
+    moving = fixed.copy(**{name: way + scene.vector(name)[:scene.dim] for name in movers})
+    return close(scene, t.run(fixed), t.run(moving), lambda x, v, time: (x + way * time, v + way),
+                 limit=AMONG_WALLS if walls or "gas" in scene.options else CLOSE)  # gas has cells, which stand
+
+
+def first(t):
+    """What a step has to fill is nan before the first one: a step of no length changes nothing else but velocities, of
+    which the pressure takes the divergence at once."""
+    dt = float(np.nanmin(runs.series(t.measured.folder)["time_step"]))
+    brief = t.gauged(f"-time_step {BRIEF * dt!r}", 1)
+    wrong = []
+    for file in ("series.csv", "droplets.csv", "pockets.csv"):
+        rows, usual = brief.table(file), t.measured.table(file)
+        still = {c["name"] for c in json.loads(brief.text("scene.json"))["columns"]
+                 if c["file"] == file and c["counts"] != "run" and not re.match("J|.*/s$", c["unit"])}
+        here = [rows["step"] == k for k in (0, 1)] if rows else []
+        if rows and file != "series.csv" and here[0].sum() != here[1].sum():
+            continue  # rows of what a step finds
+        for name in still & set(rows):
+            before, after = (np.atleast_1d(rows[name])[k] for k in here)
+            scale = np.nanmax(np.abs(usual[name]), initial=1e-300)
+            if not (np.isnan(before) | np.isnan(after) | np.isclose(before, after, SLACK, SLACK * scale)).all():
+                wrong.append(f"{file} {name}: {before[0]:.6g}, after a step of no length {after[0]:.6g}")
+    return wrong
+
+
+def books(t):
+    """The energy of a scene closes within what its own budget says."""
+    found = re.search(r"residual .*?, (\S+) % of .*?: (.*)", t.longer.text("log.txt"))
+    open_ = abs(float(found[1])) > UNSEEN and re.match("energy has grown|more than", found[2])
+    return [f"residual {found[0][9:]}"] if open_ else []
+
+
+def told(t):
+    """What is said in two places is the same: options and scene.json, a table and the series, the last snapshot and the
+    series, a dry run and the run."""
+    run, wrong = t.measured, []
+    scene, series = json.loads(run.text("scene.json")), run.table("series.csv")
+    given = {o["name"][1:]: o["value"] for o in scene["options"]}
+
+    def compare(what, a, b, limit=1e-6):
+        a, b = np.ravel(np.array(a, dtype=float)), np.ravel(np.array(b, dtype=float))
+        if len(a) and not np.allclose(a[:len(b)], b[:len(a)], limit, limit * np.nanmax(np.abs(b), initial=0),
+                                      equal_nan=True):
+            wrong.append(f"{what}: {a[:3]} and {b[:3]}")
+
+    def walk(value, owner=""):
+        for key, part in value.items():
+            name = f"{owner}_{key}" if f"{owner}_{key}" in given else key if not owner else None
+            if isinstance(part, dict):
+                walk(part, owner)
+            elif isinstance(part, list) and part and isinstance(part[0], dict):
+                for one in part:
+                    face = key == "faces"
+                    walk(one, ("box_" if face else "") + one.get("name", "") if key in ("bodies", "solids", "faces") else
+                         "-")
+            elif name in given and key not in ("lower", "upper", "name") and not isinstance(part, (str, bool)) and (
+                    part is not None and given[name] is not None and not isinstance(given[name], (str, bool))):
+                compare(f"scene.json {name} beside the option", part, given[name])
+
+    walk({key: part for key, part in scene.items() if key not in ("options", "columns", "model", "step", "regions")})
+    pockets, drops = run.table("pockets.csv"), run.table("droplets.csv")
+    for k, time in enumerate(series["time"]):
+        now = (pockets["time"] == time) & (pockets["amount"] > 0) if pockets else np.zeros(0, dtype=bool)
+        if k and pockets:
+            compare("gas_volume beside pockets.csv", pockets["volume"][now].sum(), series["gas_volume"][k])
+            compare("gas_pockets beside pockets.csv", now.sum(), series["gas_pockets"][k])
+            if now.any():
+                compare("gas_pressure_max beside pockets.csv", pockets["pressure"][now].max(),
+                        series["gas_pressure_max"][k])
+        now = drops["time"] == time if drops else np.zeros(0, dtype=bool)
+        if now.any():
+            compare("droplets and droplet_volume beside droplets.csv",
+                    [now.sum() - 1, drops["volume"][now][1:].sum()], [series["droplets"][k], series["droplet_volume"][k]])
+    path = runs.numbered(run.folder, "snapshot")[-1]
+    fields = runs.fields(path)
+    volume = physics.volumes(runs.head(path), fields)[fields["body"] >= 0]
+    mass = volume * np.array([t.scene.number(f"{name}_density", 1000) for name in t.scene.names("bodies")])[
+        fields["body"][fields["body"] >= 0]]
+    compare("particles of the last snapshot", len(volume), series["particles"][-1], 0)
+    compare("volume of the last snapshot", volume.sum(), series["volume"][-1])
+    compare("kinetic energy of the last snapshot", 0.5 * mass @ (run.last["velocity"]**2).sum(axis=1),
+            series["kinetic_energy"][-1])
+    wrong += tried_dry(t)
+    return wrong[:4]
+
+
+def tried_dry(t):
+    """What a dry run says of particles and steps that is not so."""
+    end = t.longer.last["time"]
+    dry = runs.start([*t.scene.copy(time_end=[end]).words(), "-dry_run", "-output_dir", t.file("dry"), "-packing_cache",
+                      ""])
+    said = [re.search(words, dry.stdout) for words in (r"particles: (\d+) of liquid", r"time: about .*?: (\d+) steps")]
+    if dry.returncode or not all(said):
+        return [f"no dry run: {dry.stderr.strip()[-200:]}"]
+    particles, steps = (int(found[1]) for found in said)
+    wrong = [f"dry run: {particles} particles"] * (particles != len(t.plain.first["id"]))
+    return wrong + [f"dry run: {steps} steps, taken {t.long}"] * (abs(steps - t.long) > max(2, SAID * t.long))
+
+
 def keeps(t):
     """A scene keeps mass, momentum and energy as far as it is closed."""
     def finer(end):
         return t.start(coarse(t.scene, 0.5).copy(time_end=[end]), steps=MOST_STEPS)
 
-    return kept.judge(t.scene, t.start(t.scene, steps=t.long), finer)
+    return kept.judge(t.scene, t.longer.folder, finer)
 
 
 RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shift, mirror, turn, units, outputs, clock,
-                                     half, later, cut, far, frame, keeps)}
+                                     half, later, cut, far, frame, stream, first, books, told, keeps)}
 
 
 def resolves(run, spacing):

@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+"""Whether a verdict hangs on rounding: the tests that judge figures, with other compiler flags and other random numbers.
+
+    tests/long/roundings.py [--only NAMES] [--jobs N] [VARIANT ...]
+
+Each variant is a copy of the tree in output/roundings, built and tested as `make test` does. Other instructions and
+other optimisation round otherwise; `seeds` adds ten to the seed of every random number, of packings above all. A test
+that fails here and passes in `make test` needs a quantity that does not scatter, or more packings of a cheaper scene."""
+import argparse
+import os
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [os.path.join(HERE, "..", "mutants"), os.path.join(HERE, "..")]
+import mutants  # noqa: E402
+import runs  # noqa: E402
+
+FIGURES = "unit/,verify/,answers/,solvers/,extremes/,parallel/,restart/,relations/"
+SEED, OTHER = "SplitMix64(seed *", "SplitMix64((seed + 10) *"  # in src/base/base.h, once
+VARIANTS = {"v2": "-O3 -march=x86-64-v2", "v3": "-O3 -march=x86-64-v3", "v4": "-O3 -march=x86-64-v4",
+            "O1": "-O1 -march=native", "seeds": "-O3 -march=native"}
+
+
+def possible(variant):
+    """Whether the processor has the instructions of a variant; the loader knows (glibc 2.33)."""
+    if variant not in ("v2", "v3", "v4"):
+        return True
+    said = subprocess.run(["/lib64/ld-linux-x86-64.so.2", "--help"], stdout=subprocess.PIPE, text=True, check=False)
+    return f"x86-64-{variant} (supported" in said.stdout
+
+
+def reseed(tree):
+    path = os.path.join(tree.path, "src", "base", "base.h")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    if text.count(SEED) != 1:
+        sys.exit(f"roundings.py: {path} has no {SEED} once")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text.replace(SEED, OTHER))
+
+
+def judge(variant, only, jobs):
+    """Builds and tests a variant; prints what failed."""
+    tree = mutants.Tree(os.path.join(runs.ROOT, "output", "roundings", variant), runs.ROOT)
+    if variant == "seeds":
+        reseed(tree)
+    built = subprocess.run(["make", "-s", f"-j{jobs}", "programs", f"CFLAGS={VARIANTS[variant]} -g"], cwd=tree.path,
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    if not runs.check(built.returncode == 0, f"{variant} builds", built.stdout[-600:]):
+        return
+    done = subprocess.run([sys.executable, "tests/run.py", "--only", only, "--jobs", str(jobs)], cwd=tree.path,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    lines = done.stdout.splitlines()
+    for line in lines:
+        if line.startswith("  FAIL "):
+            runs.check(False, f"{variant}: {line[7:]}")
+    runs.check(done.returncode == 0, f"{variant}: {lines[-1]}", "\n".join(lines[-3:]))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--only", default=FIGURES)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("variants", nargs="*", metavar="VARIANT", help=", ".join(VARIANTS))
+    a = parser.parse_args()
+    unknown = set(a.variants) - set(VARIANTS)
+    if unknown:
+        sys.exit(f"roundings.py: no variant is called {', '.join(unknown)}; there are {', '.join(VARIANTS)}")
+    for variant in a.variants or VARIANTS:
+        if possible(variant):
+            judge(variant, a.only, a.jobs)
+        else:
+            print(f"skipped: this processor has no x86-64-{variant}", flush=True)
+    return runs.done()
+
+
+if __name__ == "__main__":
+    main()
