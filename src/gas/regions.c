@@ -282,12 +282,12 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
   PetscCall(PetscCalloc1(regions->count, &size));
   PetscCall(PetscMalloc1(regions->count, &sorted));
   for (PetscInt b = 1; b <= gas->before.count && common; b++) {
-    PetscInt largest = 0;
+    PetscInt largest = 1;
 
     if (PocketIsVoid(&gas->before.pocket[b])) continue;
-    for (PetscInt r = 1; r < regions->count; r++)
-      if (common[b * width + r] > common[b * width + largest]) largest = r;
-    if (regions->count && common[b * width + largest]) size[largest] = PETSC_MAX_INT / 2;
+    for (PetscInt r = 0; r < regions->count; r++) largest = PetscMax(largest, common[b * width + r]);
+    for (PetscInt r = 0; r < regions->count; r++) /* of equal parts all: a mirror does not tell which */
+      if (common[b * width + r] == largest) size[r] = PETSC_MAX_INT / 2;
   }
   for (PetscInt r = 0; r < regions->count; r++) {
     const Region *region = &regions->region[r];

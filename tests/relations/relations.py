@@ -49,6 +49,7 @@ AMONG_WALLS = 0.08             # of the spacing that all moves along walls, whos
 ENERGIES = 1e-5                # of the largest energy, by which one may differ where it is added up in another way
 BRIEF, SLACK = 1e-6, 0.05     # a step so many times shorter changes nothing by more than so much
 UNSEEN = 0.01                  # % of the energy exchanged, which rounding and the solver may leave
+NUMERIC = ("real", "int", "numbers", "point", "direction", "axis", "normal")  # kinds of options
 SAID = 0.2                     # of the steps, by which a dry run may be wrong, or two
 SAME_PLACE = 1e-6              # spacings: a start that differs by more has another packing
 REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|"
@@ -558,7 +559,8 @@ def told(t):
     series, a dry run and the run."""
     run, wrong = t.measured, []
     scene, series = json.loads(run.text("scene.json")), run.table("series.csv")
-    given = {o["name"][1:]: o["value"] for o in scene["options"]}
+    given = {o["name"][1:]: [float(word) for word in str(o["value"]).split(",")] for o in scene["options"]
+             if o["kind"] in NUMERIC and o["given"]}
 
     def compare(what, a, b, limit=1e-6):
         a, b = np.ravel(np.array(a, dtype=float)), np.ravel(np.array(b, dtype=float))
@@ -576,8 +578,7 @@ def told(t):
                     face = key == "faces"
                     walk(one, ("box_" if face else "") + one.get("name", "") if key in ("bodies", "solids", "faces") else
                          "-")
-            elif name in given and key not in ("lower", "upper", "name") and not isinstance(part, (str, bool)) and (
-                    part is not None and given[name] is not None and not isinstance(given[name], (str, bool))):
+            elif name in given and key not in CORNERS and part is not None:  # corners: those of the shape
                 compare(f"scene.json {name} beside the option", part, given[name])
 
     walk({key: part for key, part in scene.items() if key not in ("options", "columns", "model", "step", "regions")})
