@@ -72,9 +72,10 @@ UNIT = $(patsubst tests/unit/%.c,$(BUILD)/tests/unit/%,$(wildcard tests/unit/*.c
 MPI  = OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1 OMPI_MCA_mpi_yield_when_idle=1
 RUN  = output/drop_impact
 
-# The programs of the tests: with the gold linker, where there is one, each takes a fifth of the time to link.
+# The programs of the tests: with the gold linker, where there is one, each takes a fifth of the time to link; a function
+# of the test stands for one of the program with its name.
 GOLD       = $(if $(shell command -v ld.gold),-fuse-ld=gold)
-TEST_FLAGS = $(subst -O3,-O1,$(ALL_FLAGS)) $(GOLD) -Isrc
+TEST_FLAGS = $(subst -O3,-O1,$(ALL_FLAGS)) $(GOLD) -Isrc -Wl,-z,muldefs
 $(BUILD)/tests/unit/%: tests/unit/%.c $(OBJECTS) $(BUILD)/flags
 	@mkdir -p $(dir $@); echo LD $@; $(CC) $(TEST_FLAGS) -o $@ $< $(OBJECTS) $(LIBS)
 
