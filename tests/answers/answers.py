@@ -182,7 +182,7 @@ def diverging():
 
 def quantities():
     series = {"time": [0, 1, 2, 2.9], "a": [0, 3, 1, 2], "b": [math.nan, 1, 2, 3], "wide_ymin": [1, 2, 3, 4],
-              "p": [0, 7, 5, 5], "gap": [1, math.nan, math.nan, 2],
+              "p": [math.nan, 7, 5, 5], "gap": [1, math.nan, math.nan, 2],
               "late": [math.nan, math.nan, 1, 1]}
     creep = {"time": list(range(21)), "a": list(range(21))}
     rows = [{"file": "series.csv", "name": name, "head": f"{name}_m", "unit": "m",

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Whether a verdict hangs on rounding: the tests that judge figures, with other compiler flags and other random numbers.
+"""Whether a verdict hangs on rounding: the tests that judge figures, with other flags and other random numbers.
 
     tests/long/roundings.py [--only NAMES] [--jobs N] [VARIANT ...]
 
 Each variant is a copy of the tree in output/roundings, built and tested as `make test` does. Other instructions and
 other optimisation round otherwise; `seeds` adds ten to the seed of every random number, of packings above all. A test
-that fails here and passes in `make test` needs a quantity that does not scatter, or more packings of a cheaper scene."""
+that fails here and passes in `make test` needs a quantity that does not scatter, or packings of a cheaper scene."""
 import argparse
 import os
 import subprocess

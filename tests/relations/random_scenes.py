@@ -494,4 +494,5 @@ class Channel(Vessel):
         self.numerics()
 
 
-FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40), "channel": (Channel, 20)}  # each with the number of its scenes in the tests
+# each with the number of its scenes in the tests
+FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40), "channel": (Channel, 20)}

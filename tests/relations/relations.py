@@ -23,12 +23,12 @@ import sys
 import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, ".."), HERE, os.path.join(HERE, "..", "verify")]
+sys.path[:0] = [os.path.join(HERE, ".."), HERE]
 import kept  # noqa: E402
 import numpy as np  # noqa: E402
-import physics  # noqa: E402
 import random_scenes  # noqa: E402
 import runs  # noqa: E402
+import said  # noqa: E402
 from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
 
 TENTHS, QUARTERS = 10, "abcd"
@@ -47,10 +47,6 @@ MOST_STEPS = 2000              # of a run at half the spacing
 AMONG_WALLS = 0.08             # of the spacing that all moves along walls, whose particles stand in other places then:
 #                                up to 0.05, a wrong velocity or a contact line that sticks makes 0.1 and more
 ENERGIES = 1e-5                # of the largest energy, by which one may differ where it is added up in another way
-BRIEF, SLACK = 1e-6, 0.05     # a step so many times shorter changes nothing by more than so much
-UNSEEN = 0.01                  # % of the energy exchanged, which rounding and the solver may leave
-NUMERIC = ("real", "int", "numbers", "point", "direction", "axis", "normal")  # kinds of options
-SAID = 0.2                     # of the steps, by which a dry run may be wrong, or two
 SAME_PLACE = 1e-6              # spacings: a start that differs by more has another packing
 REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|"
                      r"too small for the kernel|covered by a solid).*)", re.S)
@@ -526,101 +522,6 @@ def stream(t):
                  limit=AMONG_WALLS if walls or "gas" in scene.options else CLOSE)  # gas has cells, which stand
 
 
-def first(t):
-    """What a step has to fill is nan before the first one: a step of no length changes nothing else but velocities, of
-    which the pressure takes the divergence at once."""
-    dt = float(np.nanmin(runs.series(t.measured.folder)["time_step"]))
-    brief = t.gauged(f"-time_step {BRIEF * dt!r}", 1)
-    wrong = []
-    for file in ("series.csv", "droplets.csv", "pockets.csv"):
-        rows, usual = brief.table(file), t.measured.table(file)
-        still = {c["name"] for c in json.loads(brief.text("scene.json"))["columns"]
-                 if c["file"] == file and c["counts"] != "run" and not re.match("J|.*/s$", c["unit"])}
-        here = [rows["step"] == k for k in (0, 1)] if rows else []
-        if rows and file != "series.csv" and here[0].sum() != here[1].sum():
-            continue  # rows of what a step finds
-        for name in still & set(rows):
-            before, after = (np.atleast_1d(rows[name])[k] for k in here)
-            scale = np.nanmax(np.abs(usual[name]), initial=1e-300)
-            if not (np.isnan(before) | np.isnan(after) | np.isclose(before, after, SLACK, SLACK * scale)).all():
-                wrong.append(f"{file} {name}: {before[0]:.6g}, after a step of no length {after[0]:.6g}")
-    return wrong
-
-
-def books(t):
-    """The energy of a scene closes within what its own budget says."""
-    found = re.search(r"residual .*?, (\S+) % of .*?: (.*)", t.longer.text("log.txt"))
-    open_ = abs(float(found[1])) > UNSEEN and re.match("energy has grown|more than", found[2])
-    return [f"residual {found[0][9:]}"] if open_ else []
-
-
-def told(t):
-    """What is said in two places is the same: options and scene.json, a table and the series, the last snapshot and the
-    series, a dry run and the run."""
-    run, wrong = t.measured, []
-    scene, series = json.loads(run.text("scene.json")), run.table("series.csv")
-    given = {o["name"][1:]: [float(word) for word in str(o["value"]).split(",")] for o in scene["options"]
-             if o["kind"] in NUMERIC and o["given"]}
-
-    def compare(what, a, b, limit=1e-6):
-        a, b = np.ravel(np.array(a, dtype=float)), np.ravel(np.array(b, dtype=float))
-        if len(a) and not np.allclose(a[:len(b)], b[:len(a)], limit, limit * np.nanmax(np.abs(b), initial=0),
-                                      equal_nan=True):
-            wrong.append(f"{what}: {a[:3]} and {b[:3]}")
-
-    def walk(value, owner=""):
-        for key, part in value.items():
-            name = f"{owner}_{key}" if f"{owner}_{key}" in given else key if not owner else None
-            if isinstance(part, dict):
-                walk(part, owner)
-            elif isinstance(part, list) and part and isinstance(part[0], dict):
-                for one in part:
-                    face = key == "faces"
-                    walk(one, ("box_" if face else "") + one.get("name", "") if key in ("bodies", "solids", "faces") else
-                         "-")
-            elif name in given and key not in CORNERS and part is not None:  # corners: those of the shape
-                compare(f"scene.json {name} beside the option", part, given[name])
-
-    walk({key: part for key, part in scene.items() if key not in ("options", "columns", "model", "step", "regions")})
-    pockets, drops = run.table("pockets.csv"), run.table("droplets.csv")
-    for k, time in enumerate(series["time"]):
-        now = (pockets["time"] == time) & (pockets["amount"] > 0) if pockets else np.zeros(0, dtype=bool)
-        if k and pockets:
-            compare("gas_volume beside pockets.csv", pockets["volume"][now].sum(), series["gas_volume"][k])
-            compare("gas_pockets beside pockets.csv", now.sum(), series["gas_pockets"][k])
-            if now.any():
-                compare("gas_pressure_max beside pockets.csv", pockets["pressure"][now].max(),
-                        series["gas_pressure_max"][k])
-        now = drops["time"] == time if drops else np.zeros(0, dtype=bool)
-        if now.any():
-            compare("droplets and droplet_volume beside droplets.csv",
-                    [now.sum() - 1, drops["volume"][now][1:].sum()], [series["droplets"][k], series["droplet_volume"][k]])
-    path = runs.numbered(run.folder, "snapshot")[-1]
-    fields = runs.fields(path)
-    volume = physics.volumes(runs.head(path), fields)[fields["body"] >= 0]
-    mass = volume * np.array([t.scene.number(f"{name}_density", 1000) for name in t.scene.names("bodies")])[
-        fields["body"][fields["body"] >= 0]]
-    compare("particles of the last snapshot", len(volume), series["particles"][-1], 0)
-    compare("volume of the last snapshot", volume.sum(), series["volume"][-1])
-    compare("kinetic energy of the last snapshot", 0.5 * mass @ (run.last["velocity"]**2).sum(axis=1),
-            series["kinetic_energy"][-1])
-    wrong += tried_dry(t)
-    return wrong[:4]
-
-
-def tried_dry(t):
-    """What a dry run says of particles and steps that is not so."""
-    end = t.longer.last["time"]
-    dry = runs.start([*t.scene.copy(time_end=[end]).words(), "-dry_run", "-output_dir", t.file("dry"), "-packing_cache",
-                      ""])
-    said = [re.search(words, dry.stdout) for words in (r"particles: (\d+) of liquid", r"time: about .*?: (\d+) steps")]
-    if dry.returncode or not all(said):
-        return [f"no dry run: {dry.stderr.strip()[-200:]}"]
-    particles, steps = (int(found[1]) for found in said)
-    wrong = [f"dry run: {particles} particles"] * (particles != len(t.plain.first["id"]))
-    return wrong + [f"dry run: {steps} steps, taken {t.long}"] * (abs(steps - t.long) > max(2, SAID * t.long))
-
-
 def keeps(t):
     """A scene keeps mass, momentum and energy as far as it is closed."""
     def finer(end):
@@ -630,7 +531,7 @@ def keeps(t):
 
 
 RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shift, mirror, turn, units, outputs, clock,
-                                     half, later, cut, far, frame, stream, first, books, told, keeps)}
+                                     half, later, cut, far, frame, stream, said.first, said.books, said.told, keeps)}
 
 
 def resolves(run, spacing):

@@ -64,6 +64,7 @@ static void Mistakes(void)
   CHECK(IsphColumn(run, "crater_depth", &value) != 0 && strstr(IsphError(), "no column"), "no_such_column");
   CHECK(IsphCheckpoint(run) != 0 && strstr(IsphError(), "-output_dir"), "no_folder_no_checkpoint");
   CHECK(IsphFinalize() != 0, "finalize_with_a_run");
+  CHECK(!IsphColumn(run, "time_step", &value) && value != value, "no_step_has_been");
   CHECK(IsphStep(run, 1) == 0 && !IsphError()[0], "mistakes_do_not_end_a_run");
   CHECK(IsphStep(run, 0) != 0 && strstr(IsphError(), "not before 0 s"), "step_into_the_past");
   CHECK(IsphStep(run, IsphTime(run)) != 0 && strstr(IsphError(), "not before"), "step_of_no_time");

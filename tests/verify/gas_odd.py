@@ -83,7 +83,7 @@ band = pockets(runs.run(WRAP + """-box_x wall -box_y periodic -box_upper 2,2.1 -
  -hole_upper 2,2.1 -gravity -9.81,0""", "band"))
 runs.check_within(band["volume"][-1] / 2.1, 0.99, 1.01, "pocket_around_a_periodic_box")
 cut = runs.run(ROUND.replace("-box_x periodic", "-box_xmin wall") + "-hole_center 1.8,1", "cut")
-count = runs.series(cut)["gas_pockets"].max()
+count = runs.series(cut)["gas_pockets"][1:].max()
 runs.check(count == 0, "what_touches_an_open_face_is_air", count)
 
 # a bubble under the gas of a vessel, and both in a mirror: cells as near to one as to the other have the same owner
@@ -168,10 +168,10 @@ series = runs.series(runs.run(TANK, "tank"))
 runs.check(series["time"][-1] > 0.179, "gaps_in_a_full_tank", series["time"][-1])
 runs.check_below(series["kinetic_energy"].max(), 1, "energy_in_a_full_tank")
 
-# A dam break beyond its plunge: the tube of gas breaks up, and voids open in the liquid. Energy of liquid and gas may only
-# fall. Single gains are of an instant: fronts that meet a wall before any gas, gas that is squeezed for some 10 ms.
-# Averaged over 50 ms, energy rose in none of 24 packings; with voids at the pressure around them it rose by 0.09 and
-# more, with rows in films that see one gas alone by 0.05.
+# A dam break beyond its plunge: the tube of gas breaks up, and voids open in the liquid. Energy of liquid and gas may
+# only fall. Single gains are of an instant: fronts that meet a wall before any gas, gas that is squeezed for some 10
+# ms. Averaged over 50 ms, energy rose in none of 24 packings; where rows in films see the whole pressure of one gas it
+# rose by 0.05 in one of six, where the slope of the pressure of gas has the wrong sign by 0.03 to 0.09 in three.
 DAM = f"""-options_file {runs.ROOT}/cases/dam_break/impact.opts -spacing 0.02 -gas -gauge_pockets -series_interval 2e-3
  -snapshot_interval 5 -time_end 1.8 """
 SPAN = np.ones(25) / 25  # lines of the series
