@@ -1,16 +1,17 @@
 #!/usr/bin/python3
 """Runs the tests side by side, the long ones first.
 
-    tests/run.py [--check | --long] [--sanitizers] [--changed [COMMIT]] [--only NAMES] [--jobs N] [--list]
+    tests/run.py [--check | --long] [--sanitizers] [--changed [COMMIT]] [--only NAMES] [--jobs N] [--list] [--seconds]
 
 A test is a job: a program of tests/unit on a number of ranks, a script of tests/, or one part of a script.
 tests/table.txt has a row for each: its ranks, its seconds, the set it belongs to, the folders whose change it watches.
 
     --check       what belongs to the set `check` (make check); without: `check` and `test`; --long: all sets
     --sanitizers  the jobs of tests/sanitizers too (make test-ci)
-    --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), quick ones and what names one of
-                  these files, and lint
+    --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), the quickest that fit into a minute
+                  of two cores and what names one of these files, and lint
     --only        of all sets only jobs whose name contains one of these words, separated by commas or blanks
+    --seconds     runs nothing: writes the seconds of the table from times.csv, what the last runs took
     --jobs        so many at a time (one more than there are processors: some jobs wait for processes to end)
 
 Each test prints 'ok name' or 'FAIL name: why' a line, and whatever else it likes. One that exits non-zero without a
@@ -42,7 +43,8 @@ FOLDERS = ("docs", "answers", "input", "parallel", "restart", "faults", "extreme
            "lint")
 SETS = ("check", "test", "long")
 TIMEOUT = float(os.environ.get("TEST_TIMEOUT", 600))  # s a job may take; of the set `long` 7200
-QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed
+QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed ...
+MINUTE = 120.0  # s of processor: ... and no more of them than this
 
 
 class Row(NamedTuple):
@@ -143,7 +145,10 @@ def find(rows, folders):
 
 def changed_paths(commit):
     git = ["git", "-C", ROOT]
-    paths = subprocess.run(git + ["diff", "--name-only", commit, "--"], check=True, stdout=subprocess.PIPE, text=True)
+    paths = subprocess.run(git + ["diff", "--name-only", commit, "--"], check=False, stdout=subprocess.PIPE,
+                           stderr=subprocess.PIPE, text=True)
+    if paths.returncode:
+        sys.exit(f"run.py: BASE={commit} is no commit of this repository: {paths.stderr.strip().splitlines()[0]}")
     new = subprocess.run(git + ["ls-files", "--others", "--exclude-standard"], check=True, stdout=subprocess.PIPE,
                          text=True)
     return paths.stdout.split() + new.stdout.split()
@@ -157,15 +162,33 @@ def watching(jobs, paths):
             (job.name.startswith("lint/") or any(path.startswith(w) for w in job.row.watches for path in paths))]
 
 
+def in_a_minute(jobs, paths):
+    """The jobs without the longest, as many as it takes; those that are written in one of the paths or name it stay."""
+    named, spent, kept = set(paths), 0.0, []
+    for job in sorted(jobs, key=lambda job: job.row.seconds):
+        spent += job.row.seconds
+        if spent <= MINUTE or job.source in named or named & set(job.row.watches):
+            kept.append(job)
+    if len(kept) < len(jobs):
+        print(f"run.py: {len(jobs) - len(kept)} of {len(jobs)} tests that watch the changes are left to make check and "
+              "make test", flush=True)
+    return kept
+
+
 def choose(jobs, arguments):
     """What is to run, the longest first."""
     if arguments.only:
         words = arguments.only.replace(",", " ").split()
+        for word in words:
+            if not any(word in job.name for job in jobs):
+                sys.exit(f"run.py: ONLY={word}: no test has this in its name; names are like unit/test_rings@3 or "
+                         "verify/gas.py, tests/run.py --list lists them\n0 passed, 1 failed")
         jobs = [job for job in jobs if any(word in job.name for word in words)]
     else:
         last = SETS.index("check" if arguments.check else "long" if arguments.long else "test")
         if arguments.changed:
-            jobs = watching([job for job in jobs if job.row.set != "long"], changed_paths(arguments.changed))
+            paths = changed_paths(arguments.changed)
+            jobs = in_a_minute(watching([job for job in jobs if job.row.set != "long"], paths), paths)
         else:
             jobs = [job for job in jobs if SETS.index(job.row.set) <= last]
     return sorted(jobs, key=lambda job: -job.row.seconds)
@@ -272,9 +295,28 @@ def write_times(results):
         writer.writerows(sorted(times.values(), key=lambda line: -float(line["wall_s"])))
 
 
+def write_seconds(rows):
+    """The seconds of the table: the most processor time that a job of a row took, two digits."""
+    took = {}
+    with open(os.path.join(OUTPUT, "times.csv"), newline="", encoding="utf-8") as file:
+        for line in csv.DictReader(file):
+            row = row_of(line["test"], rows)
+            if row and float(line["cpu_s"]) > 0:
+                took[row.pattern] = max(took.get(row.pattern, 0), float(line["cpu_s"]))
+    with open(TABLE, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    for k, line in enumerate(lines):
+        found = re.match(r"([a-z]\S+)(\s+\S+\s+)(\S+)(\s+)", line)
+        if found and found[1] in took:
+            seconds = f"{took[found[1]]:.2g}" if took[found[1]] < 100 else f"{took[found[1]]:.0f}"
+            lines[k] = found[1] + found[2] + f"{seconds:{len(found[3] + found[4]) - 1}} " + line[found.end():]
+    with open(TABLE, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name in ("check", "long", "sanitizers", "list"):
+    for name in ("check", "long", "sanitizers", "list", "seconds"):
         parser.add_argument("--" + name, action="store_true")
     parser.add_argument("--changed", nargs="?", const="HEAD", default="")
     parser.add_argument("--only", default="")
@@ -282,7 +324,12 @@ def main():
     arguments = parser.parse_args()
     folders = list(FOLDERS) + ["long"] * (arguments.long or bool(arguments.only)) + \
         ["sanitizers"] * (arguments.sanitizers or "sanitizers" in arguments.only)
-    began, rows = time.monotonic(), read_table()
+    try:
+        began, rows = time.monotonic(), read_table()
+    except ValueError as error:
+        sys.exit(f"run.py: {error}")
+    if arguments.seconds:
+        return write_seconds(rows)
     jobs = find(rows, folders)
     unknown = [job.name for job in jobs if job.row is None]
     if unknown:
@@ -292,7 +339,7 @@ def main():
         print("\n".join(f"{job.row.set:6} {job.row.seconds:6.1f} s  {job.name}" for job in jobs))
         return 0
     if not jobs:
-        print("run.py: no test is chosen" + (f": none has {arguments.only} in its name" * bool(arguments.only)))
+        print("run.py: no test is chosen")
         print("0 passed, 1 failed")
         return 0 if arguments.changed else 1
     os.makedirs(OUTPUT, exist_ok=True)

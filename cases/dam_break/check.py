@@ -90,7 +90,7 @@ def impact(folder):
     """Against Lobovsky et al.: pressures after a running mean of 1 ms."""
     s, e, right = runs.series(folder), experiment("pressure"), reference("impact")
     t = np.arange(0, s["time"][-1], 1e-4)
-    p = np.interp(t, s["time"], s["point_1_pressure_Pa"]) / (1000 * G * H)
+    p = np.interp(t, s["time"], np.nan_to_num(s["point_1_pressure_Pa"])) / (1000 * G * H)
     p, scaled = np.convolve(p, np.full(10, 0.1), "same"), t * np.sqrt(G / H)
     there = np.interp(t, right["time"], right["pressure"]) / (1000 * G * H)
     if scaled[-1] < e["t"][-1]:

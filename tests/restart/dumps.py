@@ -1,43 +1,14 @@
 #!/usr/bin/python3
-"""The run of a scene and the run of what -dump_options writes of it are the same to the bit, for every file of options
-in cases/ and options/, with a coarse spacing and one step."""
-import glob
-import json
+"""What -dump_options writes of long lists and of numbers with units; tests/relations tries it on all scenes."""
 import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import runs  # noqa: E402
 
-FACTORS = 4, 2, 1  # on the spacing; the first that the scene bears
 SHORT = ["-steps_max", "1", "-series_interval", "0", "-progress_interval", "0"]
-
-
-def scene(path):
-    """The arguments that give a file's scene, alone or behind a case that has what it lacks, and its spacing (m)."""
-    folder = os.path.dirname(path)
-    cases = None, f"{folder}/case.opts", f"{folder}/axisymmetric.opts", "cases/drop_impact/case.opts"
-    for case in cases:
-        arguments = [word for file in (case, path) if file for word in ("-options_file", file)]
-        known = runs.scratch(path.replace("/", "-") + ".json")
-        if not runs.start([*arguments, "-scene_json", known]).returncode:
-            with open(known, encoding="utf-8") as file:
-                return arguments, json.load(file)["domain"]["spacing"]
-    return None, None
-
-
-def coarsened(path):
-    """The arguments of the scene with the coarsest spacing that it bears, and the folder of its run."""
-    arguments, spacing = scene(path)
-    for factor in FACTORS if arguments else ():
-        folder = runs.scratch(f"{path.replace('/', '-')}-{factor}")
-        more = [*SHORT, "-spacing", f"{factor * spacing:.17g}"]
-        if not runs.start([*arguments, *more, "-output_dir", folder]).returncode:
-            return [*arguments, *more], folder
-    return None, None
 
 
 def differences(one, other):
@@ -51,17 +22,6 @@ def differences(one, other):
         found += [f"{os.path.basename(a)}:{name}" for name, value in runs.fields(a).items()
                   if not np.array_equal(value, runs.fields(b).get(name), equal_nan=value.dtype.kind == "f")]
     return found
-
-
-def judge(path):
-    arguments, folder = coarsened(path)
-    if not arguments:
-        return path, "the scene does not run"
-    dump, again = folder + ".opts", folder + "-dump"
-    done = runs.start([*arguments, "-dump_options", dump])
-    if not done.returncode:
-        done = runs.start(["-options_file", dump, "-output_dir", again])
-    return path, ", ".join(differences(folder, again)) if not done.returncode else done.stderr.strip()
 
 
 def long_list():
@@ -101,9 +61,4 @@ def units():
 os.chdir(runs.ROOT)
 long_list()
 units()
-files = sorted(glob.glob("cases/*/*.opts") + glob.glob("options/*.opts"))
-runs.check(len(files) > 80, "files", f"only {len(files)}")
-with ThreadPoolExecutor(2) as pool:
-    for name, fault in pool.map(judge, files):
-        runs.check(not fault, name, fault)
 runs.done()

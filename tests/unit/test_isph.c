@@ -54,7 +54,7 @@ static void Refuse(const char options[], const char word[], const char name[])
 
 static void Mistakes(void)
 {
-  Isph      run = Ready(SCENE, "set_up"), other;
+  Isph      run = Ready(SCENE "-steps_max 5 ", "set_up"), other;
   IsphArray array;
   double    value;
 

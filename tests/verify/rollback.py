@@ -16,7 +16,7 @@ folder = runs.run(SCENE + "-time_step 0.04 -time_end 0.04", "halved")
 s = runs.series(folder)
 runs.check(s["rejected"][-1] >= 3, "steps_are_rolled_back", f"{s['rejected'][-1]} of them")
 runs.check(s["time"][-1] == 0.04, "and_the_end_is_reached", f"{s['time'][-1]} s")
-runs.check_below(s["time_step"].max() * 2 / 0.02, 0.55, "no_accepted_step_moves_too_far")
+runs.check_below(s["time_step"][1:].max() * 2 / 0.02, 0.55, "no_accepted_step_moves_too_far")
 runs.check_below(s["kinetic_energy"][-1] / s["kinetic_energy"][0], 1.5, "the_state_is_sane")
 
 # What is left is less than a thousandth of a step: the last one takes it, or its pressure would be noise over dt.
