@@ -2,7 +2,7 @@
 
     [name of the mutant]
     file: src/pressure/source.c
-    was: the exact text, within one line, that stands in the file once
+    was: an expression that stands in the file once, however its blanks and lines are laid out
     is: what replaces it
     bug: what is wrong then, in a line
     tests: unit/test_pressure, unit/test_neighbors on 2, verify/couette-printed, input/bad_input.py
@@ -41,6 +41,11 @@ class Mutant(NamedTuple):
     bug: str
     tests: tuple
     survives: str
+
+    def apply(self, text):
+        """The text with the bug, and how often the expression stood there."""
+        where = r"\s+".join(re.escape(word) for word in self.was.split())
+        return re.subn(where, lambda _: self.becomes, text)
 
     @property
     def folder(self):
@@ -98,7 +103,7 @@ def mistakes(mutants):
     for m in mutants:
         try:
             with open(os.path.join(ROOT, m.file), encoding="utf-8") as file:
-                count = file.read().count(m.was)
+                count = m.apply(file.read())[1]
         except OSError:
             lines.append(f"{m.name}: there is no {m.file}")
             continue

@@ -149,7 +149,7 @@ def examine(m, tree, original, seconds):
     with open(path, encoding="utf-8") as file:
         text = file.read()
     with open(path, "w", encoding="utf-8") as file:
-        file.write(text.replace(m.was, m.becomes))
+        file.write(m.apply(text)[0])
     for test in m.tests:
         trouble = tree.prepare(test)
         if trouble:
