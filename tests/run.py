@@ -104,7 +104,8 @@ def row_of(name, rows):
 
 
 def parts(script):
-    """The parts of a script that has some: it prints their names with --parts; none: [None]; one that fails: a part without a name."""
+    """The parts of a script that has some: it prints their names with --parts; none: [None]. One that cannot is a part,
+    which will fail."""
     with open(os.path.join(ROOT, script), encoding="utf-8") as file:
         if not re.search(r"runs\.parts\(|^ *--parts\)", file.read(), re.M):
             return [None]
