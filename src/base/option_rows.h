@@ -88,8 +88,11 @@ PetscErrorCode OptionHelp(const OptionRow *row, char help[NAMES_LENGTH]);
 
 /* OptionsSame - whether two structs have the same values by the rows of a table. OptionsIdentity - writes the values of
    a struct as lines "-<prefix>option = value", all numbers as they were read, but for those that a restart may change,
-   numbers that were not given, and names; dim: numbers of a vector. Not collective. */
+   numbers that were not given, and names; dim: numbers of a vector. OptionsTell - appends what the log says of a struct
+   to a text of at most 'length' bytes: numbers, unless zero ones are left out, directions, and choices other than the
+   first of the registry. Not collective. */
 PetscBool OptionsSame(const OptionRow rows[], const void *one, const void *other);
+void      OptionsTell(char text[], size_t length, const OptionRow rows[], const void *data, PetscBool zeros);
 void      OptionsIdentity(FILE *text, const char prefix[], const OptionRow rows[], const void *data, PetscInt dim);
 
 /* ChoiceFind - the entry of a registry; refuses (UserError) a name that is none, of the option. Collective. */

@@ -100,25 +100,10 @@ static void WriteSolid(Json *json, Body body, PetscReal start, PetscReal end)
   JsonEnd(json);
 }
 
-static void WriteForces(Json *json, Scene scene)
-{
-  const PetscInt dim = scene->domain->dim;
-
-  JsonObject(json, "forces");
-  JsonReals(json, "gravity", dim, scene->gravity);
-  JsonReals(json, "gravity_amplitude", dim, scene->amplitude);
-  JsonReal(json, "gravity_frequency", scene->angular_frequency / (2 * PETSC_PI));
-  JsonReal(json, "gravity_phase", scene->phase);
-  JsonReal(json, "central_force_rate", scene->central_rate);
-  JsonReals(json, "frame_rotation_rate", DIM, scene->frame_rate);
-  JsonReals(json, "frame_rotation_center", DIM, scene->frame_center);
-  JsonEnd(json);
-}
-
 void SceneJson(Scene scene, PetscReal start, PetscReal end, Json *json)
 {
   PropertiesJson(scene->domain, &scene->own, json);
-  WriteForces(json, scene);
+  ForcesJson(scene, json);
   JsonArray(json, "bodies");
   for (PetscInt b = 0; b < scene->count; b++) WriteBody(json, scene, b);
   JsonEnd(json);

@@ -1,6 +1,5 @@
 /* What bodies, solids and holes are made of: rows, which whatever compares, tells or prints them walks. */
 #include "scene_impl.h"
-#include <string.h>
 
 const OptionRow BodyMaterials[] = {
   {"-density", "Density", "kg/m3", "(0, inf)", ROW_REAL, offsetof(struct _p_Body, material.density)},
@@ -60,23 +59,13 @@ PetscBool BodiesAlike(Body one, Body other)
  */
 static PetscErrorCode ViewMatter(Body body, PetscViewer viewer)
 {
-  char             text[1024] = "", one[256];
+  char             text[OPTION_TEXT_LENGTH] = "";
   const OptionRow *rows;
   const void      *data;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; (rows = BodyMatter(body, k, &data)); k++)
-    for (const OptionRow *row = rows; row->name; row++) {
-      const void *value = (const char *)data + row->offset;
-
-      one[0] = 0;
-      if (row->kind == ROW_REAL)
-        (void)snprintf(one, sizeof(one), "%s%s %g%s%s", text[0] ? ", " : "", row->name + 1,
-                       (double)*(const PetscReal *)value, row->unit ? " " : "", row->unit ? row->unit : "");
-      else if (row->kind == ROW_CHOICE && strcmp((const char *)value, row->choices[0]->name))
-        (void)snprintf(one, sizeof(one), ", %s %s", row->name + 1, (const char *)value);
-      TextAppend(text, sizeof(text), one);
-    }
+    OptionsTell(text, sizeof(text), rows, data, PETSC_TRUE);
   PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

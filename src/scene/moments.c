@@ -21,9 +21,8 @@ PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, P
 PetscInt SceneMoments(Scene scene, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[])
 {
   Moments   moments = {.start = start, .end = end, .most = most, .time = moment};
-  PetscBool any     = (PetscBool)(Norm(scene->amplitude) > 0);
+  PetscBool any     = ForcesMoments(scene, &moments);
 
-  if (any) MomentPeriod(&moments, scene->angular_frequency / (2 * PETSC_PI), start);
   for (PetscInt b = 0; b < scene->count; b++)
     if (Add(scene->body[b], &moments)) any = PETSC_TRUE;
   for (PetscInt b = 0; b < scene->solids; b++)

@@ -25,6 +25,7 @@ PetscErrorCode SceneDestroy(Scene *scene)
   for (PetscInt b = 0; b < (*scene)->fine_regions; b++) PetscCall(BodyDestroy(&(*scene)->fine[b]));
   PetscCall(BodyDestroy(&(*scene)->air));
   PetscCall(PropertiesFree(&(*scene)->own));
+  PetscCall(ForcesDestroy(*scene));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -49,19 +50,6 @@ static const OptionRow words[] = {
 static const OptionRow options[] = {
   {"-bodies_overlap", "Bodies may overlap: the first of them in -bodies gets the common part", NULL, NULL, ROW_BOOL,
    offsetof(struct _p_Scene, overlap)},
-  {"-gravity", "Acceleration of gravity", "m/s2", NULL, ROW_DIRECTION, offsetof(struct _p_Scene, gravity)},
-  {"-gravity_amplitude", "Amplitude a of an oscillating part a sin(2 pi f t + phase) of gravity: a shaken tank", "m/s2",
-   NULL, ROW_DIRECTION, offsetof(struct _p_Scene, amplitude)},
-  {"-gravity_frequency", "Frequency f of that oscillating part", "Hz", "[0, inf)", ROW_REAL,
-   offsetof(struct _p_Scene, angular_frequency)},
-  {"-gravity_phase", "Phase of that oscillating part; 90: the tank is at its turning point at the time 0", "degrees",
-   "[-360, 360]", ROW_REAL, offsetof(struct _p_Scene, phase)},
-  {"-central_force_rate", "Rate w of a central force, acceleration -w^2 x about the origin", "1/s", "[0, inf)",
-   ROW_REAL, offsetof(struct _p_Scene, central_rate)},
-  {"-frame_rotation_rate", "Angular velocity vector of the frame of reference; in two dimensions one number is enough",
-   "rad/s", NULL, ROW_NUMBERS, offsetof(struct _p_Scene, frame_given)},
-  {"-frame_rotation_center", "Point on the axis of the frame's rotation", "m", NULL, ROW_POINT,
-   offsetof(struct _p_Scene, frame_center)},
   {.name = NULL},
 };
 
@@ -102,13 +90,11 @@ static PetscErrorCode ReadScene(Scene scene, SceneWords *names)
   PetscOptionsBegin(scene->domain->comm, NULL, "Scene", "Scene");
   PetscCall(OptionsRead(PetscOptionsObject, words, "SceneSetFromOptions", names));
   PetscCall(DomainReadOptions(scene->domain, PetscOptionsObject, options, "SceneSetFromOptions", scene));
+  PetscCall(ForcesRead(scene, PetscOptionsObject));
   PetscCall(PropertiesRead(scene->domain, PetscOptionsObject, OWNER_SCENE, &scene->own));
   PetscOptionsEnd();
   PetscCall(BodyCreate(scene->domain, "air", 0, &scene->air));
   PetscCall(PropertiesMake(scene->domain, OWNER_HOLE, &scene->air->own));
-  PetscCheckUser(scene->angular_frequency > 0 || Norm(scene->amplitude) == 0, scene->domain->comm,
-                 "-gravity_amplitude needs -gravity_frequency, in Hz");
-  scene->angular_frequency *= 2 * PETSC_PI;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -170,9 +156,6 @@ static PetscErrorCode CheckRings(Scene scene)
 
   PetscFunctionBegin;
   if (!domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheckUser(scene->gravity[0] == 0 && scene->amplitude[0] == 0, domain->comm,
-                 "-gravity and -gravity_amplitude must have 0 as their first number: with -dimension axisymmetric they "
-                 "act along the axis");
   for (PetscInt b = 0; b < scene->count; b++) {
     const Body body = scene->body[b];
     PetscReal  lower[DIM], upper[DIM];
@@ -254,7 +237,7 @@ PetscErrorCode SceneSetFromOptions(Scene scene)
     PetscCall(BodyCheckInside(scene->fine[b]));
   }
   PetscCall(LiquidsSetFromOptions(scene));
-  PetscCall(FrameCheck(scene));
+  PetscCall(ForcesCheck(scene));
   PetscCall(CheckGrading(scene));
   PetscCall(CheckRings(scene));
   if (!scene->overlap) PetscCall(SceneCheckOverlap(scene));
@@ -285,23 +268,6 @@ PetscInt SceneCount(Scene scene)
 Body SceneBody(Scene scene, PetscInt index)
 {
   return scene->body[index];
-}
-
-void SceneSetTime(Scene scene, PetscReal time)
-{
-  for (PetscInt d = 0; d < DIM; d++)
-    scene->shake[d] =
-      scene->amplitude[d] * PetscSinReal(scene->angular_frequency * time + scene->phase * PETSC_PI / 180);
-}
-
-void SceneShaking(Scene scene, PetscReal shake[DIM])
-{
-  for (PetscInt d = 0; d < DIM; d++) shake[d] = scene->shake[d];
-}
-
-void SceneSetShaking(Scene scene, const PetscReal shake[DIM])
-{
-  for (PetscInt d = 0; d < DIM; d++) scene->shake[d] = shake[d];
 }
 
 PetscInt SceneSolidCount(Scene scene)
@@ -429,24 +395,6 @@ static PetscReal SolidDistance(Scene scene, PetscInt which, const PetscReal x[DI
 void SceneSolidNormal(Scene scene, const PetscReal x[DIM], PetscReal n[DIM])
 {
   DistanceNormal(scene, SolidDistance, 0, x, n);
-}
-
-void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
-{
-  const PetscReal square = scene->central_rate * scene->central_rate;
-
-  for (PetscInt d = 0; d < DIM; d++)
-    g[d] = scene->gravity[d] + scene->shake[d] - (d < scene->domain->dim ? square * x[d] : 0);
-  if (SceneFrameTurns(scene)) FrameAdd(scene, x, g);
-}
-
-PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])
-{
-  const PetscReal square = scene->central_rate * scene->central_rate;
-  PetscReal       energy = 0;
-
-  for (PetscInt d = 0; d < scene->domain->dim; d++) energy += x[d] * (0.5 * square * x[d] - scene->gravity[d]);
-  return SceneFrameTurns(scene) ? energy + FramePotential(scene, x) : energy;
 }
 
 PetscBool SceneBodiesOverlap(Scene scene)

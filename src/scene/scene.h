@@ -194,16 +194,16 @@ PetscInt  BodyFillings(Body body, PetscReal time);
 void      BodyFillingVelocity(Body body, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]);
 PetscBool BodyComesLater(Body body);
 PetscBool SceneComesLater(Scene scene);
-/* SceneSetTime - sets the time (s) of oscillating gravity. */
-void SceneSetTime(Scene scene, PetscReal time);
-/* SceneShaking - the oscillating part of gravity at that time (m/s2). SceneSetShaking - sets it. */
-void SceneShaking(Scene scene, PetscReal shake[DIM]);
-void SceneSetShaking(Scene scene, const PetscReal shake[DIM]);
+/* SceneSetTime - sets the time (s) of forces that depend on it. SceneTime - that time; NAN: not yet set. */
+void      SceneSetTime(Scene scene, PetscReal time);
+PetscReal SceneTime(Scene scene);
+/* SceneShaking - the sum of the forces without a potential at x (m) and that time (m/s2); whether it is any. */
+PetscBool SceneShaking(Scene scene, const PetscReal x[DIM], PetscReal shake[DIM]);
 /* SceneFrameTurns - whether the frame of reference rotates. SceneFrameRate - its angular velocity (rad/s). */
 PetscBool SceneFrameTurns(Scene scene);
 void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);
-/* SceneAcceleration - acceleration g (m/s2) of gravity, central force and centrifugal force at x (m).
-   SceneForcePotential - its potential (J/kg) without the oscillating part of gravity. */
+/* SceneAcceleration - acceleration g (m/s2) of all body forces at x (m): gravity, shaking, central and centrifugal.
+   SceneForcePotential - the potential (J/kg) of those that have one. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has a viscosity or a surface tension; if not, the step skips

@@ -11,26 +11,22 @@ typedef struct {
 } Names;
 
 struct _p_Scene {
-  Domain        domain; /* borrowed */
-  PetscInt      count;
-  Body          body[SCENE_MAX_BODIES];
-  PetscInt      solids;
-  Body          solid[SCENE_MAX_BODIES];
-  PetscInt      fine_regions;
-  Body          fine[SCENE_MAX_BODIES];             /* regions of -fine; they have a shape only */
-  Properties    own;                                /* of the scene as a whole */
-  Body          air;                                /* a hole of no body, with the defaults of its properties */
-  PetscBool     overlap;                            /* see SceneBodiesOverlap */
-  PetscReal     interface_tension;                  /* N/m; 0: the liquids mix */
-  PetscInt      liquid[SCENE_MAX_BODIES];           /* 0 or 1, see SceneLiquid */
-  PetscReal     gravity[DIM];                       /* m/s2 */
-  PetscReal     central_rate;                       /* 1/s */
-  PetscReal     amplitude[DIM];                     /* of the oscillating part of gravity, m/s2 */
-  PetscReal     angular_frequency, phase;           /* of that part, rad/s, degrees */
-  OptionNumbers frame_given;                        /* -frame_rotation_rate */
-  PetscReal     frame_rate[DIM], frame_center[DIM]; /* rad/s, m */
-  PetscReal     solid_time;                         /* of SceneMoveSolids, s */
-  PetscReal     shake[DIM];                         /* oscillating part of gravity at the time of SceneSetTime, m/s2 */
+  Domain           domain; /* borrowed */
+  PetscInt         count;
+  Body             body[SCENE_MAX_BODIES];
+  PetscInt         solids;
+  Body             solid[SCENE_MAX_BODIES];
+  PetscInt         fine_regions;
+  Body             fine[SCENE_MAX_BODIES];   /* regions of -fine; they have a shape only */
+  Properties       own;                      /* of the scene as a whole */
+  Body             air;                      /* a hole of no body, with the defaults of its properties */
+  PetscBool        overlap;                  /* see SceneBodiesOverlap */
+  PetscReal        interface_tension;        /* N/m; 0: the liquids mix */
+  PetscInt         liquid[SCENE_MAX_BODIES]; /* 0 or 1, see SceneLiquid */
+  void           **force;                    /* [k]: data of Forces[k] */
+  struct _p_Frame *frame;                    /* NULL: not read */
+  PetscReal        time;                     /* of SceneSetTime, s; NAN: not yet set */
+  PetscReal        solid_time;               /* of SceneMoveSolids, s */
 };
 
 /* The registries: shapes (one file each; shapes.c lists them), velocity fields, viscosity models, types of bodies;
@@ -68,14 +64,32 @@ PetscErrorCode BodyCreate(Domain domain, const char name[], PetscInt index, Body
 PetscErrorCode BodySetFromOptions(Body body);
 /* SolidSetFromOptions - reads shape, motion and contact angle of a solid. Collective. */
 PetscErrorCode SolidSetFromOptions(Body body);
-/* FrameCheck - completes the angular velocity of the frame, and refuses (UserError) gravity and faces that are not
-   constant in the rotating frame. FrameView - prints the frame if it rotates. Collective. FrameAdd - adds the
-   centrifugal acceleration at x (m) to g (m/s2). FramePotential - the centrifugal potential (J/kg) at x (m). Not
-   collective. */
-PetscErrorCode FrameCheck(Scene scene);
-void           FrameAdd(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
-PetscReal      FramePotential(Scene scene, const PetscReal x[DIM]);
-PetscErrorCode FrameView(Scene scene, PetscViewer viewer);
+/* A body force, with data of its own; forces.c lists them. All but the first two members may be NULL. */
+typedef struct {
+  size_t           size; /* of the data, bytes */
+  const OptionRow *rows;
+  void (*add)(Domain domain, const void *data, const PetscReal x[DIM], PetscReal g[DIM]); /* to g (m/s2) at x (m) */
+  /* its potential (J/kg); NULL: the run counts its work */
+  PetscReal (*potential)(Domain domain, const void *data, const PetscReal x[DIM]);
+  void (*at)(void *data, PetscReal time);                   /* it is that at a time (s) from now on; NAN: before any */
+  PetscBool (*moments)(const void *data, Moments *moments); /* adds its own; whether it depends on the time */
+  void (*direction)(const void *data, PetscReal g[DIM]);    /* of a force that is the same everywhere: along it */
+  PetscErrorCode (*check)(Scene scene, void *data);         /* completes; refuses (UserError) contradictions */
+} ForceOps;
+extern const ForceOps        ForceFrame;
+extern const ForceOps *const Forces[];
+
+/* ForcesRead, ForcesCheck, ForcesView, ForcesDestroy - of all body forces. Collective. ForcesJson - the object
+   "forces". ForcesMoments - adds the moments of all; whether one depends on the time. Not collective. */
+PetscErrorCode ForcesRead(Scene scene, OptionItems items);
+PetscErrorCode ForcesCheck(Scene scene);
+PetscErrorCode ForcesView(Scene scene, PetscViewer viewer);
+PetscErrorCode ForcesDestroy(Scene scene);
+PetscErrorCode FrameView(Scene scene, PetscViewer viewer); /* prints the frame if it rotates */
+/* FrameKeeps - whether a direction is the same at all times in the frame of reference. Not collective. */
+PetscBool FrameKeeps(Scene scene, const PetscReal g[DIM]);
+void      ForcesJson(Scene scene, Json *json);
+PetscBool ForcesMoments(Scene scene, Moments *moments);
 /* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole, and what else
    a hole has. Collective. */
 PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole);

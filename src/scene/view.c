@@ -189,17 +189,13 @@ static PetscErrorCode ViewNumbers(Scene scene, PetscInt b, PetscViewer viewer)
 
 PetscErrorCode SceneView(Scene scene, PetscViewer viewer)
 {
-  const PetscReal *g = scene->gravity;
-  PetscBool        ascii;
+  PetscBool ascii;
 
   PetscFunctionBegin;
   if (!viewer) PetscCall(PetscViewerASCIIGetStdout(scene->domain->comm, &viewer));
   PetscCall(PetscObjectTypeCompare((PetscObject)viewer, PETSCVIEWERASCII, &ascii));
   if (!ascii) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-    PetscViewerASCIIPrintf(viewer,
-                           "Scene: %" PetscInt_FMT " bodies, gravity %g, %g, %g m/s2, central force rate %g 1/s\n",
-                           scene->count, (double)g[0], (double)g[1], (double)g[2], (double)scene->central_rate));
+  PetscCall(ForcesView(scene, viewer));
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(FrameView(scene, viewer));
   for (PetscInt b = 0; b < scene->count; b++) {

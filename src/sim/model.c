@@ -181,12 +181,10 @@ static PetscBool AtAll(const Model *model,
   const Scene     scene  = model->sim->scene;
   const PetscInt  sets   = SceneCount(scene) + SceneSolidCount(scene) + 1;
   const PetscInt  points = PetscMax(POINTS_LEAST, POINTS * PetscMin(sets, SETS) / sets);
-  const PetscReal now    = SceneSolidTime(scene);
-  PetscBool       good   = PETSC_TRUE;
-  const char     *what   = "";
-  PetscReal       shake[DIM];
+  const PetscReal now = SceneSolidTime(scene), then = SceneTime(scene);
+  PetscBool       good = PETSC_TRUE;
+  const char     *what = "";
 
-  SceneShaking(scene, shake);
   for (PetscInt t = 0; t < model->moments && good; t++) {
     const PetscReal time = model->moment[t];
 
@@ -208,7 +206,7 @@ static PetscBool AtAll(const Model *model,
     }
   }
   SceneMoveSolids(scene, now);
-  SceneSetShaking(scene, shake);
+  SceneSetTime(scene, then);
   return good;
 }
 

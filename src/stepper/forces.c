@@ -54,10 +54,9 @@ void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial)
   const PetscReal *v = cloud->field[FIELD_VELOCITY];
   PetscReal        shake[DIM];
 
-  SceneShaking(cloud->scene, shake);
-  if (Norm(shake) == 0) return;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    trial->sum[SUM_SHAKING_WORK] += time * cloud->volume[a] * cloud->rest_density[a] * Dot(v + DIM * a, shake);
+    if (SceneShaking(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, shake))
+      trial->sum[SUM_SHAKING_WORK] += time * cloud->volume[a] * cloud->rest_density[a] * Dot(v + DIM * a, shake);
 }
 
 PetscBool StepViscosityFused(Stepper stepper)
