@@ -91,9 +91,10 @@ def completion():
         if option["owner"] == OWNER:
             bodies.append(name.removeprefix(f"-{OWNER}_"))
             continue
-        names += [name.replace(FACE, face) for face in FACES] if FACE in name else [name]
+        own = list(dict.fromkeys(name.replace(FACE, face).replace("<axis>", face[0]) for face in FACES))
+        names += own
         if values:
-            choices += f"    {name}) COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\")); return ;;\n"
+            choices += f"    {'|'.join(own)}) COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\")); return ;;\n"
     return COMPLETION % (choices, " ".join([*dict.fromkeys(names), "-options_file", "-help", "-log_view", "-ksp_type",
                                             "-pc_type", "-ksp_rtol", "-ksp_monitor"]), " ".join(dict.fromkeys(bodies)))
 

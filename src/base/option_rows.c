@@ -539,7 +539,7 @@ PetscErrorCode OptionsJson(Json *json, PetscBool scene)
   for (PetscInt k = 0; k < Notes.n; k++) {
     const OptionNote *note = &Notes.note[k];
 
-    if (scene ? !note->read : note->owner[0] && !strchr(note->owner, '<')) continue;
+    if (scene ? !note->read : note->owner[0] && !strchr(note->name, '<')) continue;
     JsonObject(json, NULL);
     JsonText(json, "name", note->name);
     JsonText(json, "owner", note->owner);

@@ -25,6 +25,9 @@ PetscErrorCode DomainCreate(MPI_Comm comm, Domain *domain)
 
 #define PLACE "DomainSetFromOptions"
 
+#define OF_AXIS "Type of both faces of a direction"
+#define OF_FACE "Type of one face"
+
 /* Reads the option -box_<name>: the type of the faces first to last of direction d. */
 static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject, const char name[], const char what[],
                                    PetscInt d, PetscInt first, PetscInt last)
@@ -33,11 +36,18 @@ static PetscErrorCode ReadFaceType(Domain domain, OptionItems PetscOptionsObject
   const OptionRow rows[] = {{option, what, NULL, NULL, ROW_WORD, 0, .words = FaceTypes}, {.name = NULL}};
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(option, sizeof(option), "-box_%s", name));
+  PetscCall(PetscSNPrintf(option, sizeof(option), "-%s", name));
   PetscCall(OptionsRead(PetscOptionsObject, rows, PLACE, &domain->face[d][first]));
   for (PetscInt side = first; side <= last; side++) domain->face[d][side] = domain->face[d][first];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* For -help and its like, which tell the types of faces once. */
+static const OptionRow types[] = {
+  {"-<axis>", OF_AXIS, NULL, NULL, ROW_WORD, 0, .words = FaceTypes},
+  {"-<face>", OF_FACE ", xmin, xmax, ymin, ...", NULL, NULL, ROW_WORD, 0, .words = FaceTypes},
+  {.name = NULL},
+};
 
 static const OptionRow moving[] = {
   {"-velocity", "Velocity of a wall face, tangential", "m/s", NULL, ROW_DIRECTION, 0},
@@ -64,21 +74,32 @@ static PetscErrorCode CheckFaceVelocity(Domain domain, PetscInt d, PetscInt side
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadFaces(Domain domain, OptionItems PetscOptionsObject)
+static PetscErrorCode ReadFaces(Domain domain)
 {
+  const PetscBool all = OptionsAll();
+
   PetscFunctionBegin;
+  if (all) {
+    FaceType any = FACE_OPEN;
+
+    PetscOptionsBegin(domain->comm, "box_", "Faces of the box", "Domain");
+    PetscCall(OptionsRead(PetscOptionsObject, types, PLACE, &any));
+    PetscOptionsEnd();
+  }
   if (domain->rings) domain->face[0][0] = FACE_SYMMETRY; /* the axis */
+  PetscOptionsBegin(domain->comm, "box_", "Faces of the box", "Domain");
+  if (all) PetscOptionsObject->alreadyprinted = PETSC_TRUE;
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscInt first = DomainIsRadial(domain, d);
 
-    if (!first)
-      PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], "Type of both faces of a direction", d, 0, 1));
+    if (!first) PetscCall(ReadFaceType(domain, PetscOptionsObject, AxisNames[d], OF_AXIS, d, 0, 1));
     for (PetscInt side = first; side < 2; side++)
-      PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], "Type of one face", d, side, side));
+      PetscCall(ReadFaceType(domain, PetscOptionsObject, FaceNames[d][side], OF_FACE, d, side, side));
     PetscCheckUser((domain->face[d][0] == FACE_PERIODIC) == (domain->face[d][1] == FACE_PERIODIC), domain->comm,
                    "-box_%s is %s but -box_%s is %s: a periodic face needs a periodic face opposite", FaceNames[d][0],
                    FaceTypes[domain->face[d][0]], FaceNames[d][1], FaceTypes[domain->face[d][1]]);
   }
+  PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -179,8 +200,8 @@ PetscErrorCode DomainSetFromOptions(Domain domain)
                  "%s is missing%s: the corners of the box, -box_lower and -box_upper (m), must be given",
                  has_lower ? "-box_upper" : "-box_lower", OptionMeant(has_lower ? "-box_upper" : "-box_lower"));
   PetscCall(CheckBox(domain));
-  PetscCall(ReadFaces(domain, PetscOptionsObject));
   PetscOptionsEnd();
+  PetscCall(ReadFaces(domain));
   PetscCall(DomainReadFaces(domain, moving, PLACE, DIM * sizeof(PetscReal), domain->wall_velocity));
   for (PetscInt f = DomainFirstStraight(domain); f < 2 * domain->dim; f++)
     PetscCall(CheckFaceVelocity(domain, f / 2, f % 2));

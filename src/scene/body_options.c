@@ -206,8 +206,10 @@ PetscErrorCode SceneHelp(Domain of)
   PetscCall(Read(body, PetscOptionsObject, BodyMaterials, body));
   PetscCall(Read(body, PetscOptionsObject, BodyViscosities, body));
   PetscCall(Read(body, PetscOptionsObject, BodyStart, body));
-  PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_BODY, &body->own));
   PetscCall(Read(body, PetscOptionsObject, typed, body));
+  PetscOptionsEnd();
+  PetscOptionsBegin(comm, body->prefix, "Body, what features give it", "Scene");
+  PetscCall(PropertiesRead(domain, PetscOptionsObject, OWNER_BODY, &body->own));
   PetscOptionsEnd();
   PetscCall(ReadChosen(body, NULL, shaped, &body->shape_data, &choice));
   PetscCall(ReadChosen(body, NULL, BodyViscosities, &body->viscosity_data, &choice));

@@ -93,7 +93,7 @@ static PetscErrorCode PrintHelpOn(Sim sim)
   for (PetscInt k = 0; k < n; k++) {
     const OptionRow *row = &note[k].row;
 
-    if (note[k].owner[0] && !strchr(note[k].owner, '<')) continue; /* a body's: shown once, as any body's */
+    if (note[k].owner[0] && !strchr(note[k].name, '<')) continue; /* a body's: shown once, as any body's */
     PetscCall(OptionHelp(row, help));
     if (!Mentions(note[k].name, sim->word) && !Mentions(help, sim->word) && !Mentions(note[k].title, sim->word) &&
         !Mentions(note[k].choice, sim->word))

@@ -15,63 +15,6 @@ static const char *const late[] = {
 /* Beginnings of the names of options of PETSc's objects, which may stand behind a prefix. */
 static const char *const objects[] = {"ksp_", "pc_", "mat_", "tao_", "eps_", "st_", "bv_", "ds_"};
 
-/* Ends of the names of options that earlier versions had, and what became of them. */
-#define CONSTANT(name, file) "it is the constant " #name " of src/" file " now"
-#define SWINGS               "-<solid>_oscillation_amplitude swings a solid, -gravity_amplitude shakes the box"
-#define HYSTERESIS           "-wall_contact_hysteresis is for all walls, -<solid>_contact_hysteresis for a solid"
-#define SHEAR                "a shear is a strain, -<body>_strain_rate with all numbers of the velocity gradient"
-static const struct {
-  const char *name, *fate;
-} removed[] = {
-  {"box_xmin_contact_hysteresis", HYSTERESIS},
-  {"box_xmax_contact_hysteresis", HYSTERESIS},
-  {"box_ymin_contact_hysteresis", HYSTERESIS},
-  {"box_ymax_contact_hysteresis", HYSTERESIS},
-  {"box_zmin_contact_hysteresis", HYSTERESIS},
-  {"box_zmax_contact_hysteresis", HYSTERESIS},
-  {"gauge_cell", CONSTANT(CELL_SIZE, "gauges/crater_grid.c")},
-  {"gauge_connection", CONSTANT(CONNECTION, "gauges/gauges_impl.h")},
-  {"gauge_crater_radius", "the crater is measured half way to the box"},
-  {"rebalance", CONSTANT(IMBALANCE, "neighbors/cloud.c")},
-  {"spectrum_modes", CONSTANT(HIGHEST, "spectrum/modes.c")},
-  {"color", "the field body of a snapshot tells bodies apart"},
-  {"shear_center", SHEAR},
-  {"shear_direction", SHEAR},
-  {"shear_normal", SHEAR},
-  {"shear_rate", SHEAR},
-  {"tension_same_side", CONSTANT(SAME_SIDE, "tension/curvature.c")},
-  {"tension_thinnest", CONSTANT(THINNEST, "tension/curvature.c")},
-  {"tension_threshold", CONSTANT(THRESHOLD, "tension/curvature.c")},
-  {"time_capillary_limit", "use -time_step_max for shorter steps, -time_step for fixed ones"},
-  {"time_force_limit", CONSTANT(FORCE_LIMIT, "stepper/time_step.c")},
-  {"time_growth", CONSTANT(GROWTH, "stepper/time_step.c")},
-  {"time_spray_share", CONSTANT(MOVED, "stepper/time_step.c")},
-  {"time_viscous_limit", CONSTANT(VISCOUS_LIMIT, "stepper/time_step.c")},
-  {"velocity_amplitude", SWINGS},
-  {"velocity_frequency", SWINGS},
-  {"packing_relaxation_damping", CONSTANT(RELAXATION_DAMPING, "stepper/stepper.c")},
-  {"packing_relaxation_speed", CONSTANT(AT_REST, "sim/relax.c")},
-  {"packing_repulsion", "its weight is fixed now: the term for -packing_distance counts as much as the density error"},
-  {"packing_skin", CONSTANT(SKIN, "packing/poisson_samples.c")},
-  {"pc_twolevel_omega", CONSTANT(OMEGA, "twolevel/twolevel.c")},
-  {"pc_twolevel_ratio", CONSTANT(RATIO, "twolevel/twolevel.c")},
-  {"pressure_closure_factor", CONSTANT(FACTOR, "pressure/closure.c")},
-  {"pressure_closure_lambda", CONSTANT(FILLED_LAMBDA, "pressure/closure.c")},
-  {"pressure_closure_least", CONSTANT(LEAST, "pressure/closure.c")},
-  {"pressure_pairing_loaded", CONSTANT(PAIRING_LOADED, "pressure/gradient.c")},
-  {"pressure_pairing_moving", CONSTANT(PAIRING_MOVING, "pressure/gradient.c")},
-  {"pressure_rebuild_growth", CONSTANT(REBUILD_GROWTH, "pressure/solve.c")},
-  {"pressure_relaxation_steps", CONSTANT(LEAST_STEPS, "pressure/source.c")},
-  {"resampling_least", CONSTANT(LEAST, "resampling/resampling_impl.h")},
-  {"resampling_most", CONSTANT(MOST, "resampling/resampling_impl.h")},
-  {"shifting_cap", CONSTANT(CAP, "stepper/shifting.c")},
-  {"sound_projected", "the first pressure is always that of a projection now"},
-  {"surface_cone", CONSTANT(CONE, "operators/surface.c")},
-  {"surface_lambda_inner", CONSTANT(LAMBDA_INNER, "operators/surface.c")},
-  {"surface_lambda_near", CONSTANT(LAMBDA_NEAR, "operators/surface.c")},
-  {"surface_near", CONSTANT(NEAR, "operators/surface.c")},
-};
-
 PetscErrorCode RefuseTraps(MPI_Comm comm)
 {
   PetscBool trap = PETSC_FALSE, view;
@@ -176,24 +119,10 @@ static void ForBodies(const char name[], char text[], size_t length)
   }
 }
 
-/* What became of an option of an earlier version; NULL for other names. */
-static const char *Fate(const char name[])
-{
-  const size_t all = strlen(name);
-
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(removed); k++) {
-    const size_t size = strlen(removed[k].name);
-
-    if (all >= size && !strcmp(name + all - size, removed[k].name) && (all == size || name[all - size - 1] == '_'))
-      return removed[k].fate;
-  }
-  return NULL;
-}
-
 /* Says what is known about an option that nothing has read. */
 static PetscErrorCode Explain(const PetscNames *petsc, const char name[], char text[])
 {
-  const char       *part = BehindPrefix(name), *fate = Fate(name), *nearest = NULL, *other;
+  const char       *part = BehindPrefix(name), *nearest = NULL, *other;
   PetscInt          n, distance = WordsAlike(name) + 1, petsc_distance = distance, prefixed_distance = distance;
   const OptionNote *note = OptionsNoted(&n), *exact;
   char              choice[OPTION_NAME_LENGTH + 32], bodies[SENTENCE / 2], full[OPTION_NAME_LENGTH + 1];
@@ -203,9 +132,7 @@ static PetscErrorCode Explain(const PetscNames *petsc, const char name[], char t
   exact = OptionFind(full);
   PetscCall(ChoiceOfPetsc(name, choice, sizeof(choice)));
   ForBodies(name, bodies, sizeof(bodies));
-  if (fate)
-    (void)snprintf(text, SENTENCE, ": %s", fate);
-  else if (exact && exact->choice[0])
+  if (exact && exact->choice[0])
     (void)snprintf(text, SENTENCE, " here: it belongs to %s, which this %s", exact->choice,
                    exact->choice[0] == '-' ? "scene does not choose" : "is not");
   else if (FindPetsc(petsc, name))

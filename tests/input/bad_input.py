@@ -81,10 +81,6 @@ def core():
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg"),
                         ("-pc_ml_Threshold", "it belongs to -pc_type ml")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
-    for name, fate in (("-surface_cone", "the constant CONE of src/operators/surface.c"),
-                       ("-pc_twolevel_omega", "the constant OMEGA"),
-                       ("-box_zmin_velocity_amplitude", "-<solid>_oscillation_amplitude swings a solid")):
-        refused(f"removed{name}", BOX + DROP + f"{name} 7", [name, fate])
     for name in ("-dt", "-x", "-quite_something_else"):
         process = runs.start(BOX + DROP + f"{name} 7")
         runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
