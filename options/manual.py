@@ -94,7 +94,8 @@ def completion():
         own = list(dict.fromkeys(name.replace(FACE, face).replace("<axis>", face[0]) for face in FACES))
         names += own
         if values:
-            choices += f"    {'|'.join(own)}) COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\")); return ;;\n"
+            listed = f"COMPREPLY=($(compgen -W \"{' '.join(values)}\" -- \"$word\"))"
+            choices += f"    {'|'.join(own)}) {listed}; return ;;\n"
     return COMPLETION % (choices, " ".join([*dict.fromkeys(names), "-options_file", "-help", "-log_view", "-ksp_type",
                                             "-pc_type", "-ksp_rtol", "-ksp_monitor"]), " ".join(dict.fromkeys(bodies)))
 
