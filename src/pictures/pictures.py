@@ -112,7 +112,7 @@ def surfaces(run, states, arguments, ends, folder):
             view, half = views.camera(run, states, arguments.azimuth, arguments.elevation)
         else:
             view, half = views.above(run, states)
-        figure, axes = grid(len(states), height=4.0 * views.PANEL[1] / views.PANEL[0] + 0.15)
+        figure, axes = grid(len(states), height=4.0 * views.PANEL[1] / views.PANEL[0] + 0.5)
         for panel, state, shape in zip(axes, states, shapes):
             panel.imshow(views.picture(run, shape, view, half))
             panel.set(xticks=[], yticks=[])

@@ -160,13 +160,16 @@ def through_time(run, arguments):
     if not found:
         return ""
     turn = "move" if found["flat"] else "turn"
+    parts = {0: "", 1: " Half of the liquid was computed, the rest is its mirror image.",
+             2: " A quarter of the liquid was computed, the rest are its mirror images."}
+    mirrored = " The liquid was computed as rings about the axis." if run.rings else parts[len(run.mirrors)]
     return ('<h2>The liquid through time</h2>\n<div id="view"></div>\n'
             '<p class="bar turn"><button id="play">Play</button>'
             '<input id="moment" type="range" min="0" value="0"><span id="time"></span>'
             '<label>colour <select id="color"></select></label></p>\n'
             '<div id="scale" class="turn"></div>\n'
             f'<p class="small turn">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
-            f'{len(found["states"])} times.</p>\n{part("states", found, SCRIPTS[:3], arguments.scripts)}')
+            f'{len(found["states"])} times; they follow each other as in reality, slowed down.{mirrored}</p>\n{part("states", found, SCRIPTS[:3], arguments.scripts)}')
 
 
 def group_of(row):

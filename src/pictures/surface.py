@@ -27,9 +27,9 @@ WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
-BEHIND = 1  # nodes behind a face at which the liquid ends flat: its edges, which the mesh filter rounds, are cut there
-SMOOTHING = 25  # iterations of the mesh filter
-PASS_BAND = 0.06  # of the mesh filter
+BEHIND = 3  # nodes behind a face at which the liquid ends flat: its edges, which the mesh filter rounds, are cut there
+SMOOTHING = 60  # iterations of the mesh filter (Taubin, Zhang and Golub 1996)
+PASS_BAND = 0.02  # of the mesh filter: bumps of some three spacings go, sheets and the tips of jets stay
 SOFT = 6  # passes that average the normals of a picture
 SHARP = 4  # power of the cosine between two normals with which they are averaged: an edge stays
 WIDE = 1.5e-3  # m, reach of the shade in hollows
@@ -94,6 +94,13 @@ def cut(points, lower, upper, rings=False):
     axes = slice(2 if rings else 0, 3)
     points[:, axes] = np.clip(points[:, axes], lower[axes], upper[axes])
     return points
+
+
+def faced(normals, points, flat):
+    """Normals where the points that cut() has moved have those of the faces that they are on."""
+    away = points - flat
+    length = np.linalg.norm(away, axis=1, keepdims=True)
+    return np.where(length > 0, away / np.maximum(length, 1e-300), normals)
 
 
 def with_images(points, others, lower, upper, margin):
@@ -211,7 +218,8 @@ class Liquid:
     def mesh(self):
         """The surface in the form of triangles(), for all pictures of this liquid."""
         points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell)
-        return cut(points, self.lower, self.upper, self.rings), softened(normals, cells), cells
+        flat = cut(points, self.lower, self.upper, self.rings)
+        return flat, softened(faced(normals, points, flat), cells), cells
 
     def places(self, points):
         """Points (m) in units of the grid's nodes."""

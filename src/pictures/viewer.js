@@ -5,7 +5,7 @@
   const data = JSON.parse(document.getElementById('states').textContent);
   const [view, slider, label, button, choice, scale] =
     ['view', 'moment', 'time', 'play', 'color', 'scale'].map(id => document.getElementById(id));
-  const FRAME = 150; // ms between times
+  const FRAME = 150; // ms between times, in the mean: each as long as the liquid takes for it
   const NEAR = 0.01, FAR = 100; // of the camera; the scene has the size 1
   const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(data.angle, 1 / data.ratio, NEAR, FAR);
   let renderer;
@@ -149,11 +149,16 @@
   }
 
   function play() {
+    const last = data.states.length - 1, speed = FRAME * last / (data.states[last].time - data.states[0].time);
+    const next = () => {
+      const now = +slider.value, wait = now < last ? speed * (data.states[now + 1].time - data.states[now].time) : FRAME;
+      playing = setTimeout(() => { show(now < last ? now + 1 : 0); next(); }, wait);
+    };
     if (playing) {
-      clearInterval(playing);
+      clearTimeout(playing);
       playing = null;
     } else {
-      playing = setInterval(() => show((+slider.value + 1) % data.states.length), FRAME);
+      next();
     }
     button.textContent = playing ? 'Pause' : 'Play';
   }

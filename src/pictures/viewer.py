@@ -20,7 +20,7 @@ import views
 from display import together
 
 STEPS, SHADES = 65535, 255  # of a 16-bit coordinate, of an 8-bit value
-COARSEST = 2  # largest cells of the surface over those of a picture
+COARSEST, COARSEST_RINGS = 1.4, 2  # largest cells of the surface over those of a picture: sheets need finer ones
 BINNED = 2.5  # times the triangles wanted: so many are left by bins, whose corners join; others go by their error
 SIDES = 127  # steps of a component of a normal, to either side
 MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
@@ -138,18 +138,19 @@ def liquid(run, state, most, coarser):
     balls = surface.strays(fluid.points[lonely], run.spacing, fluid.share[lonely], run.rings)
     cells = np.concatenate([cells, balls[2] + len(points)])
     points, cells = thin(np.concatenate([points, balls[0]]).astype(float), cells, most)
-    points = fluid.cut(points)
-    return points, cells, None, fluid.normals(points), fluid.values(points)
+    flat = fluid.cut(points)
+    normals = surface.faced(fluid.normals(points), points, flat)  # on a face the fraction has no slope
+    return flat, cells, None, normals, fluid.values(flat)
 
 
 def coarseness(run, state, most):
     """Size of the surface's cells over those of a picture, so that few triangles must be removed."""
     if run.dim == 2:
         return 1
-    nothing = np.zeros((len(state.points), 0))
-    cells = views.Fluid(run, state.points, nothing, state.share, state.size, COARSEST).mesh()[2]
-    ratio = len(cells) * COARSEST ** (1 if run.rings else 2) / most
-    return min(max(ratio if run.rings else np.sqrt(ratio), 1), COARSEST)
+    nothing, coarsest = np.zeros((len(state.points), 0)), COARSEST_RINGS if run.rings else COARSEST
+    cells = views.Fluid(run, state.points, nothing, state.share, state.size, coarsest).mesh()[2]
+    ratio = len(cells) * coarsest ** (1 if run.rings else 2) / most
+    return min(max(ratio if run.rings else np.sqrt(ratio), 1), coarsest)
 
 
 def fans(shapes):

@@ -121,6 +121,19 @@ def without_webgl(folder):
                "u-over" in done.stdout, "without_webgl", done.stdout[-300:])
 
 
+def on_a_phone(folder):
+    """Nothing is wider than the screen of a phone, 390 pixels: the page in a frame."""
+    frame = os.path.join(folder, "phone.html")
+    with open(frame, "w", encoding="utf-8") as file:
+        file.write('<body><iframe src="report.html" width="390" height="800" style="border:0"></iframe><script>'
+                   'onload = () => setTimeout(() => { const page = frames[0].document.documentElement; '
+                   'document.body.dataset.wide = page.scrollWidth; }, 3000);</script></body>')
+    done = subprocess.run([*BROWSER, "--allow-file-access-from-files", "file://" + frame], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True, check=False, timeout=60)
+    wide = re.search('data-wide="([0-9]+)"', done.stdout)
+    runs.check(wide and 300 < int(wide[1]) <= 390, "on_a_phone", wide and wide[1])
+
+
 def seconds(text):
     number, unit = text.split()
     return float(number) / {"s": 1, "ms": 1e3, "µs": 1e6}[unit]
@@ -131,6 +144,7 @@ def look(name, size, text):
     found = acted(folder)
     if name == "1 mm":
         without_webgl(folder)
+        on_a_phone(folder)
     if not found:
         return
     (share, x, y), (_, far, low), last = found["first"], found["last"], found["count"] - 1
