@@ -169,7 +169,8 @@ def through_time(run, arguments):
             '<label>colour <select id="color"></select></label></p>\n'
             '<div id="scale" class="turn"></div>\n'
             f'<p class="small turn">Drag to {turn}, scroll to zoom. The scene changes by the same amount between the '
-            f'{len(found["states"])} times; they follow each other as in reality, slowed down.{mirrored}</p>\n{part("states", found, SCRIPTS[:3], arguments.scripts)}')
+            f'{len(found["states"])} times; they follow each other as in reality, slowed down.{mirrored}</p>\n'
+            f'{part("states", found, SCRIPTS[:3], arguments.scripts)}')
 
 
 def group_of(row):
