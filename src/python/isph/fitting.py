@@ -231,7 +231,7 @@ def fit(scene, curve, free, column=None, start=(0, 0), jobs=1, output=None, **op
     noise = spread(residual, len(free) + (start[1] > start[0]))
     by_noise = 2 * noise * np.sqrt(np.diag(inverse @ inverse.T))
     by_spacing = np.abs(value - coarse) / (COARSER[1] - 1)  # of the first order
-    bars = np.hypot(by_noise, packing)
+    bars = np.hypot(by_noise, packing) + by_spacing
     units = {row["name"]: row["unit"] for row in known["options"]}
     found = Fit()
     for k, (name, doubt) in enumerate(zip(free, doubts(model, value, bars, slopes, noise))):
