@@ -365,11 +365,12 @@ static void AssembleRow(Gas *gas, Pressure pressure, PetscInt q, PetscInt end, P
 {
   const Cloud     cloud = gas->cloud;
   const PetscInt  n = gas->now.count, a = gas->row[q].row;
-  const PetscReal kept = PressureKeptShare(pressure), s = cloud->domain->volume,
-                  outside = kept * cloud->field[FIELD_PRESSURE][a] + (1 - kept) * cloud->field[FIELD_CAPILLARY][a];
-  PetscReal pull[DIM], along = 0, bent = 0;
+  const PetscReal kept = PressureKeptShare(pressure), s = cloud->domain->volume;
+  PetscReal       slope[DIM], pull[DIM], along = 0, bent = 0;
+  const PetscReal outside =
+    kept * cloud->field[FIELD_PRESSURE][a] + (1 - kept) * PressureSurrounds(pressure, a, slope);
 
-  PressureSlopeAcceleration(pressure, a, cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a, pull);
+  PressureSlopeAcceleration(pressure, a, slope, pull);
   for (GasRow *r = gas->row + q; r < gas->row + end; r++) {
     PressureSlopeAcceleration(pressure, a, r->slope, r->bend);
     along += Dot(r->area, r->bend) / s;

@@ -59,7 +59,8 @@ static PetscErrorCode Create(Stepper stepper)
   Outlets *outlets = OutletsOf(stepper);
 
   PetscFunctionBegin;
-  outlets->cloud = StepperCloud(stepper);
+  outlets->cloud    = StepperCloud(stepper);
+  outlets->pressure = StepperPressure(stepper);
   for (PetscInt f = 0; f < 2 * DIM; f++)
     outlets->face[f / 2][f % 2] = (const Outlet *)SceneFaceOwn(outlets->cloud->scene, f / 2, f % 2, properties);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -108,7 +109,6 @@ static PetscErrorCode Options(Stepper stepper)
                    outlets->face[f / 2][f % 2]->has_level ? "level" : "pressure",
                    FaceTypes[domain->face[f / 2][f % 2]]);
   if (!On(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
-  OutletsSetUp(outlets);
   FindGravity(outlets->cloud->scene, outlets->gravity);
   outlets->density = BodyMaterial(SceneBody(outlets->cloud->scene, 0))->density;
   outlets->speed   = FindSpeed(outlets);

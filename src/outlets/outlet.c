@@ -16,34 +16,7 @@
 
 #define REACH    1   /* spacings beyond the support of the kernel */
 #define FULL_COS 0.5 /* square of the cosine above which a surface looks at the face */
-#define FINE     8   /* points of the search for an entry of the table, over its entries */
 #define HELD     1   /* spacings from the face that a surface is held by */
-
-void OutletsSetUp(Outlets *outlets)
-{
-  const Kernel    kernel  = outlets->cloud->kernel;
-  const PetscReal support = KernelSupport(kernel);
-
-  KernelHalfSpace(kernel, 0, &outlets->plane, NULL);
-  for (PetscInt k = 0, j = 0; k <= OUTLETS_TABLE; k++) { /* w1 falls with the depth */
-    PetscReal w = 0;
-
-    for (; j <= FINE * OUTLETS_TABLE; j++) {
-      KernelHalfSpace(kernel, support * j / (FINE * OUTLETS_TABLE), &w, NULL);
-      if (w <= outlets->plane * (OUTLETS_TABLE - k) / OUTLETS_TABLE) break;
-    }
-    outlets->depth[OUTLETS_TABLE - k] = support * PetscMin(1, (PetscReal)j / (FINE * OUTLETS_TABLE));
-  }
-}
-
-/* The depth (m) of fluid particle a below its surface, by its |sum V grad W| (1/m). */
-static PetscReal Depth(const Outlets *outlets, PetscInt a, PetscReal normal)
-{
-  const PetscReal size = outlets->cloud->size[a], at = OUTLETS_TABLE * PetscMin(1, normal * size / outlets->plane);
-  const PetscInt  k = PetscMin((PetscInt)at, OUTLETS_TABLE - 1);
-
-  return size * (outlets->depth[k] + (at - k) * (outlets->depth[k + 1] - outlets->depth[k]));
-}
 
 PetscReal OutletOutside(const Outlets *outlets, PetscInt d, PetscInt side, const PetscReal x[DIM], PetscReal gap,
                         PetscReal slope[DIM])
@@ -77,7 +50,7 @@ PetscReal OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DI
     PetscReal       gap, part[DIM];
 
     if (!outlets->face[d][side]->on || away > reach || (side ? -n[d] : n[d]) <= 0) continue;
-    gap = PetscMax(-HELD * s, PetscMin(HELD * s, away - Depth(outlets, a, PetscSqrtReal(n2))));
+    gap = PetscMax(-HELD * s, PetscMin(HELD * s, away - PressureDepth(outlets->pressure, a)));
     looks += share;
     P += share * OutletOutside(outlets, d, side, x, gap, part);
     for (PetscInt e = 0; e < DIM; e++) slopes[e] += share * part[e];

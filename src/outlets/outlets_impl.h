@@ -5,8 +5,7 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define OUTLETS       "outlets" /* the name of the edge */
-#define OUTLETS_TABLE 64        /* intervals of the table of depths */
+#define OUTLETS "outlets" /* the name of the edge */
 
 /* The outside of an open face, a property of the face. */
 typedef struct {
@@ -22,14 +21,13 @@ typedef struct {
 
 /* The data of the edge. */
 typedef struct {
-  Cloud         cloud; /* borrowed */
+  Cloud         cloud;    /* borrowed */
+  Pressure      pressure; /* borrowed */
   PetscBool     frozen;
-  const Outlet *face[DIM][2];             /* borrowed */
-  PetscReal     gravity[DIM], density;    /* m/s2, kg/m3 */
-  PetscReal     speed;                    /* m/s, that the largest pressure outside can give */
-  PetscReal     plane;                    /* w1(0) of KernelHalfSpace, 1/m */
-  PetscReal     depth[OUTLETS_TABLE + 1]; /* at which w1 is k/OUTLETS_TABLE of that, m */
-  OutletNumbers so_far;                   /* a copy of the state's */
+  const Outlet *face[DIM][2];          /* borrowed */
+  PetscReal     gravity[DIM], density; /* m/s2, kg/m3 */
+  PetscReal     speed;                 /* m/s, that the largest pressure outside can give */
+  OutletNumbers so_far;                /* a copy of the state's */
 } Outlets;
 
 static inline Outlets *OutletsOf(Stepper stepper)
@@ -40,13 +38,12 @@ static inline Outlets *OutletsOf(Stepper stepper)
 /* OutletOutside - the pressure (Pa) outside a face at the foot of x (m), less what holds a surface that stands off it
    by 'gap' (m); slope: that along the face (Pa/m), or NULL. OutletsPressure - the pressure (Pa) outside the surface of
    fluid particle a, 0 if no outlet is near; adds its slope along the surface (Pa/m) to 'slope' unless this is NULL.
-   OutletsSetUp - makes the table. Not collective. OutletsCalm
+   Not collective. OutletsCalm
    - brings the velocities v ([n_total][3], m/s, not yet of ghosts) of what has a pressure outside closer to the mean
    around, in the time in which 'speed' moves it by a spacing; adds the energy (J) that this
    gives to *energy. Collective. */
 PetscReal      OutletOutside(const Outlets *outlets, PetscInt d, PetscInt side, const PetscReal x[DIM], PetscReal gap,
                              PetscReal slope[DIM]);
-void           OutletsSetUp(Outlets *outlets);
 PetscReal      OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DIM]);
 PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], PetscReal *energy);
 

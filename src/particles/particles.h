@@ -33,6 +33,8 @@ typedef enum {
   X(PRESSURE, "pressure", 1, PARITY_SCALAR, CARRY_MEAN, "Pa",                                                          \
     "pressure of the last projection, start value of the next")                                                        \
   X(DENSITY, "density", 1, PARITY_SCALAR, CARRY_OWN, "kg/m3", "summed density, Eq. (4) of Kuri et al.")                \
+  X(CARRIED, "carried", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                             \
+    "share of the body force that the pressure carried in the last step")                                              \
   X(LAMBDA, "lambda", 1, PARITY_SCALAR, CARRY_OWN, "1",                                                                \
     "smallest eigenvalue of the renormalisation matrix (Marrone et al.)")                                              \
   X(VOLUME, "volume", 1, PARITY_SCALAR, CARRY_SUM, "m3",                                                               \

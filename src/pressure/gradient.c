@@ -2,12 +2,11 @@
 
      symmetric   -sum_b m_b (p_a/rho_a^2 + p_b/rho_b^2) grad W: Eq. (9) of Kuri et al., conserves momentum
      corrected   -B_a sum_b V (p_b - p_a) 2/(rho_a + rho_b) grad W and a background pressure inside, symmetric near the
-   surface conserved   corrected; neighbours compensate the momentum that differs from symmetric */
+                 surface; of what differs from the pressure that is carried (balance.c)
+     conserved   corrected; neighbours compensate the momentum that differs from symmetric */
 #include "pressure_impl.h"
 
-/* The term against pairing over the background pressure; GradientCorrected gives the sources. */
-#define PAIRING_MOVING 0.1
-#define PAIRING_LOADED 0.5 /* if a body force makes the pressure */
+#define PAIRING 0.1 /* the term against pairing over the background pressure: see GradientCorrected */
 
 /* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
@@ -102,32 +101,46 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* -B_a sum V (p_b - p_a) grad W of one row; 'mean': times rho_a over the mean density of both, as in the operator. */
-static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, PetscBool mean, PetscReal scale,
+/* The differences p_b - p_a - T_ab.(y_b - y_a) of the row of a, padded as its factors are: what is not carried. */
+static void Differences(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal c[])
+{
+  const PetscReal *p      = pressure->cloud->field[FIELD_PRESSURE];
+  const PetscInt   padded = PaddedLength(row->n);
+
+  if (pressure->balances)
+    BalanceRow(pressure, a, row->n, row->index, c);
+  else
+    PetscArrayzero(c, padded);
+  for (PetscInt k = 0; k < padded; k += SIMD_WIDTH) {
+    const Simd t = SimdGather(p, row->index + k) - SimdSet(p[a]) - SimdLoad(c + k);
+
+    (void)memcpy(c + k, &t, sizeof(t));
+  }
+}
+
+/* For one row of the corrected gradient, inside -B_a sum V D grad W, D the pressure's difference that is not carried,
+   and near the surface -sum V (2 (p_a - P) + D) grad W, P the pressure outside. */
+static void CorrectedRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscBool mean, PetscReal scale,
                          PetscReal out[DIM])
 {
-  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE], *rho = cloud->rest_density;
-  const Simd3      place = Simd3Set(x + DIM * a);
-  const Simd       zero = SimdSet(0), own = SimdSet(p[a]);
-  Simd3            sum = {zero, zero, zero};
-  Vec4             g;
+  const Cloud      cloud   = pressure->cloud;
+  const PetscBool  surface = (PetscBool)(cloud->integer[INT_SURFACE][a] != 0);
+  const PetscReal  own     = surface ? 2 * (cloud->field[FIELD_PRESSURE][a] - pressure->outside[a]) : 0;
+  const PetscReal *rho     = cloud->rest_density;
+  PetscReal        c[ROW_CAPACITY + SIMD_WIDTH], jump[DIM] = {0, 0, 0}, sum[DIM];
 
-  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
-    const SimdOffsets at = SimdLocate(row->index + k);
-    const Simd3       d  = Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), place);
-    Simd              c  = (SimdGather(p, row->index + k) - own) * SimdLoad(row->f + k);
-
-    if (mean) c *= 2 * rho[a] / (rho[a] + SimdGather(rho, row->index + k));
-    Simd3Add(PETSC_FALSE, &sum, c, d);
-  }
-  g = scale * Simd3Sum(sum, zero);
-  if (cloud->liquid && cloud->at_interface[a]) {
-    PetscReal jump[DIM] = {0, 0, 0};
-
-    JumpsSum(cloud, a, row, mean, jump);
-    for (PetscInt d = 0; d < DIM; d++) g[d] += scale * jump[d];
-  }
-  TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, g[0], g[1], g[2], out);
+  Differences(pressure, a, row, c);
+  SIMD_LOOP()
+  for (PetscInt k = 0; k < PaddedLength(row->n); k++) c[k] = (own + c[k]) * row->f[k];
+  for (PetscInt k = 0; k < PaddedLength(row->n) && mean && !surface; k++)
+    c[k] *= 2 * rho[a] / (rho[a] + rho[row->index[k]]);
+  SumAlong(cloud, a, row, c, sum);
+  if (cloud->liquid && cloud->at_interface[a]) JumpsSum(cloud, a, row, (PetscBool)(mean && !surface), jump);
+  for (PetscInt d = 0; d < DIM; d++) sum[d] = scale * (sum[d] + jump[d]);
+  if (!surface)
+    TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, sum[0], sum[1], sum[2], out);
+  else
+    for (PetscInt d = 0; d < DIM; d++) out[d] = sum[d];
 }
 
 /* Inside the liquid -B_a sum V (p_b - p_a) grad W/rho_a; near the surface Eq. (9), since pressure differences do not
@@ -137,15 +150,13 @@ static void CorrectedRow(Cloud cloud, PetscInt a, const PairRow *restrict row, P
    within five steps of any size.
 
    But this error keeps particles evenly spread. So a part of it remains: 2 q sum V grad W of a background pressure q =
-   c h |grad p| (c: regularization), which does not grow with the depth. Without it a tank at rest moves twelve times as
-   fast (0.0172 in place of 0.0014 sqrt(gH)), and neither more shifting (0.0175 and 0.0148 with 2 and 4 times its
-   strength) nor Wendland's kernel (0.0171) does its work; Taylor-Green's error is 1.4 times as large.
+   c h |grad p - T| (c: regularization), which does not grow with the depth. T is what is carried (balance.c): in
+   proportion to the whole slope the background was a shear stress in liquid that merely has a weight. Without it
+   Taylor-Green's error is 1.4 times as large.
 
    This sum alone drives particles of a cubic spline with h = 1.3 d0 into pairs (Dehnen & Aly 2012). So a part of the
-   shifting's term against pairing (Monaghan 2000) is added. In a flow the shifting helps, and 0.1 is enough
-   (PAIRING_MOVING). More acts as a viscosity: 0.5 costs Taylor-Green vortices of 50 spacings 3 % of their energy. At
-   rest, shifting and background balance each other, and with 0.1 a velocity of 0.01 sqrt(gH) remains in a tank at rest.
-   So if a body force makes the pressure, the part is 0.5 (PAIRING_LOADED). */
+   shifting's term against pairing (Monaghan 2000) is added. The shifting helps, and 0.1 is enough; 0.5 costs
+   Taylor-Green vortices of 50 spacings 3 % of their energy. */
 PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 {
   Cloud            cloud   = pressure->cloud;
@@ -159,20 +170,19 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
     PetscReal *out = acceleration + DIM * a;
 
     PairRowLoadFactors(cloud, a, &row);
+    CorrectedRow(pressure, a, &row, mean, scale, out);
     if (cloud->integer[INT_SURFACE][a]) {
-      SymmetricRow(pressure, a, &row, scale, out);
+      const PetscReal *slope = pressure->outside_slope + DIM * a;
+
+      for (PetscInt d = 0; d < DIM; d++) out[d] /= density[a];
+      if (Dot(slope, slope) > 0) AddSlope(pressure, a, slope, out);
       for (PetscInt d = 0; d < DIM; d++) out[d] /= SurfaceSlope(pressure, a);
     } else {
-      const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
-      PetscReal        g[DIM], background, against;
+      const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a,
+                      background = cloud->size[a] * factor * Norm(out);
 
-      CorrectedRow(cloud, a, &row, mean, scale, out);
-      SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
-      background = cloud->size[a] * factor * Norm(out);
-      against    = PetscMax(PAIRING_MOVING * background,
-                            PAIRING_LOADED * PetscMin(background, cloud->size[a] * factor * density[a] * Norm(g)));
       for (PetscInt d = 0; d < DIM; d++)
-        out[d] = (out[d] - background * n[d] - against * (crowding[d] - n[d])) / density[a];
+        out[d] = (out[d] - background * (n[d] + PAIRING * (crowding[d] - n[d]))) / density[a];
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -210,36 +220,21 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets the pressure outside the free surface and its slope: those of surface tension, which are the cloud's fields, and
-   of what else surrounds the liquid. */
+/* Sets the pressure outside the free surface and its slope: of surface tension and what is carried, and of what else
+   surrounds the liquid. */
 static PetscErrorCode OutsideGet(Pressure pressure)
 {
   Cloud cloud = pressure->cloud;
 
   PetscFunctionBegin;
-  pressure->outside       = cloud->field[FIELD_CAPILLARY];
-  pressure->outside_slope = cloud->field[FIELD_CAPILLARY_SLOPE];
-  for (PetscInt k = 0; k < pressure->low_ranks; k++) {
-    if (!pressure->low_rank[k].term->outside) continue;
-    if (pressure->outside == cloud->field[FIELD_CAPILLARY]) {
-      PetscCall(CloudGetWork(cloud, 1, &pressure->outside));
-      PetscCall(CloudGetWork(cloud, DIM, &pressure->outside_slope));
-      PetscCall(PetscArraycpy(pressure->outside, cloud->field[FIELD_CAPILLARY], cloud->n_fluid));
-      PetscCall(PetscArraycpy(pressure->outside_slope, cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_fluid));
-    }
-    PetscCall(pressure->low_rank[k].term->outside(pressure->low_rank[k].context, pressure, pressure->outside,
-                                                  pressure->outside_slope));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode OutsideRestore(Pressure pressure)
-{
-  PetscFunctionBegin;
-  if (pressure->outside != pressure->cloud->field[FIELD_CAPILLARY]) {
-    PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside_slope));
-    PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside));
-  }
+  PetscCall(CloudGetWork(cloud, 1, &pressure->outside));
+  PetscCall(CloudGetWork(cloud, DIM, &pressure->outside_slope));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    pressure->outside[a] = PressureSurrounds(pressure, a, pressure->outside_slope + DIM * a);
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    if (pressure->low_rank[k].term->outside)
+      PetscCall(pressure->low_rank[k].term->outside(pressure->low_rank[k].context, pressure, pressure->outside,
+                                                    pressure->outside_slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -249,7 +244,8 @@ PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[])
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscCall(OutsideGet(pressure));
   PetscCall(pressure->gradient(pressure, acceleration));
-  PetscCall(OutsideRestore(pressure));
+  PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside_slope));
+  PetscCall(CloudRestoreWork(pressure->cloud, &pressure->outside));
   PetscCall(LogPairFlops(pressure->cloud->first[pressure->cloud->n_fluid], 11));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GRADIENT), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

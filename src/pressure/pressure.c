@@ -50,6 +50,7 @@ static PetscErrorCode FindTypes(Pressure p)
   p->closure = ((const ClosureChoice *)choice)->apply;
   PetscCall(ChoiceFind(comm, Gradients, "-pressure_gradient", p->gradient_type, &choice));
   p->gradient = ((const GradientChoice *)choice)->apply;
+  p->balanced = (PetscBool)(p->gradient == GradientCorrected);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -156,12 +157,13 @@ PetscErrorCode PressureSetFromOptions(Pressure pressure)
   KernelHalfSpace(cloud->kernel, 0, &pressure->surface_plane, NULL);
   KernelSurfaceTable(cloud->kernel, SURFACE_TABLE, pressure->surface_fraction);
   SurfaceLattice(pressure);
+  BalanceSetUp(pressure);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool PressureGradientCorrected(Pressure pressure)
 {
-  return (PetscBool)(pressure->gradient == GradientCorrected);
+  return pressure->balanced;
 }
 
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer)
@@ -187,6 +189,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PetscFree3(p->closure_diagonal, p->pair_diagonal, p->level_diagonal));
   PetscCall(PetscFree(p->pair_weight));
   PetscCall(PetscFree(p->weight_sum));
+  PetscCall(PetscFree2(p->carried, p->place));
   PetscCall(PetscFree(p->parent_row));
   PetscCall(ColumnsReset(&p->columns));
   PetscCall(PetscFree(*pressure));

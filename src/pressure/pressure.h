@@ -96,7 +96,22 @@ PetscErrorCode PressureSource(Pressure pressure, PetscReal dt, PetscReal rhs[]);
 /* PressureTakesDivergence - whether the source is FIELD_DIVERGENCE over dt; else it is the compression over dt^2. Not
    collective. */
 PetscBool PressureTakesDivergence(Pressure pressure);
-/* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid. Collective. */
+/* PressurePredict - begins a step that balances the body force which the pressure is expected to carry (balance.c),
+   from FIELD_CARRIED; after a search. PressureTakeCarried - takes its acceleration S from acceleration ([n_fluid][3],
+   m/s2). PressureKeepCarried - ends the step: sets FIELD_CARRIED from 'rest', that of PressureAcceleration.
+   PressureCarries - whether some liquid of some rank carried a force in the last PressurePredict, which is collective.
+ */
+PetscBool      PressureCarries(Pressure pressure);
+PetscErrorCode PressurePredict(Pressure pressure);
+void           PressureTakeCarried(Pressure pressure, PetscReal acceleration[]);
+void           PressureKeepCarried(Pressure pressure, const PetscReal rest[]);
+/* PressureDepth - the depth (m) of particle a below the surface that it sees, by its |sum V grad W|. PressureSurrounds
+   - the pressure (Pa) outside the surface of fluid particle a, of surface tension and of what is carried, and its slope
+   (Pa/m; NULL: not wanted) along the surface. Not collective. */
+PetscReal PressureDepth(Pressure pressure, PetscInt a);
+PetscReal PressureSurrounds(Pressure pressure, PetscInt a, PetscReal slope[DIM]);
+/* PressureAcceleration - acceleration ([n_fluid][3], m/s2) -grad p/rho of the fluid, less the part that
+   PressureTakeCarried has taken. Collective. */
 PetscErrorCode PressureAcceleration(Pressure pressure, PetscReal acceleration[]);
 /* PressureSlopeAcceleration - what a slope (Pa/m) of the pressure outside adds to the acceleration (m/s2) of fluid
    particle a. Not collective. */

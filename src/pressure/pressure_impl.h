@@ -8,6 +8,8 @@
 #include "pressure.h"
 
 #define SURFACE_TABLE 512 /* intervals of the table of density at a free surface */
+#define DEPTH_TABLE   64  /* intervals of the table of depths */
+#define DEPTH_FINE    8   /* points of the search for an entry of this table, over its entries */
 #define TYPE_LENGTH   OPTION_WORD_LENGTH
 #define KEPT_NONE     (-1) /* for Pressure.kept */
 #define KEPT_OPERATOR 2
@@ -77,6 +79,15 @@ struct _p_Pressure {
   PetscBool wall_suction;     /* walls may pull beside a free surface */
   PetscReal lattice_diagonal; /* Lambda_0 of a row with rest density 1, 1/m2 */
   PetscBool free_surface;     /* some particle of some rank is on a free surface or near one */
+
+  /* of what is carried: balance.c */
+  PetscBool  balanced; /* the gradient knows what is carried: the corrected one */
+  PetscBool  carries;  /* some liquid carries a force */
+  PetscBool  balances; /* it does, between PressurePredict and PressureKeepCarried */
+  PetscReal *carried;  /* [n_total][3] T, Pa/m */
+  PetscReal *place;    /* [n_total][3] where the pressure of a particle holds, m */
+  PetscInt   balance_capacity;
+  PetscReal  depth[DEPTH_TABLE + 1]; /* m, at which |sum V grad W| is k/DEPTH_TABLE of that on a plane surface */
 
   /* of the gradient */
   PetscReal  regularization; /* 1 */
@@ -185,6 +196,13 @@ PetscErrorCode OperatorSetUp(Pressure pressure);
 PetscErrorCode JumpsSetUp(Pressure pressure);
 void           JumpsAdd(Pressure pressure, PetscScalar rhs[]);
 void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscBool mean, PetscReal sum[DIM]);
+
+/* BalanceSetUp - makes the table of PressureDepth. BalanceRow - sets T_ab.(y_b - y_a) (Pa) of particle a's n neighbours
+   'index', padded to a multiple of SIMD_WIDTH. BalanceAdd - adds what is carried inside the liquid to the right-hand
+   side ([n_rows]). Not collective. */
+void BalanceSetUp(Pressure pressure);
+void BalanceRow(Pressure pressure, PetscInt a, PetscInt n, const PetscInt index[], PetscReal carried[]);
+void BalanceAdd(Pressure pressure, PetscScalar rhs[]);
 
 /* SetConvergence - sets the solver's test, after its options are read: it stops at density_tolerance, or else at
    -ksp_rtol and -ksp_atol in the 2-norm of the residual. Collective. */

@@ -255,14 +255,16 @@ static PetscErrorCode AddKept(Pressure pressure, PetscScalar rhs[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds what the pressure of tension on free surface and interface gives to the rows. */
+/* Adds what the pressure of tension on free surface and interface, and what is carried, give to the rows. */
 static void AddCapillary(Pressure pressure, PetscScalar rhs[])
 {
   const Cloud cloud = pressure->cloud;
 
   for (PetscInt r = 0; r < cloud->n_fluid; r++)
-    rhs[r] += pressure->closure_diagonal[r] * cloud->field[FIELD_CAPILLARY][r];
+    if (pressure->closure_diagonal[r] != 0)
+      rhs[r] += pressure->closure_diagonal[r] * PressureSurrounds(pressure, r, NULL);
   JumpsAdd(pressure, rhs);
+  BalanceAdd(pressure, rhs);
 }
 
 /* The right-hand side b, after OperatorSetUp: the source times the weight of the row, plus the contribution of the free

@@ -5,7 +5,7 @@
                   which it is corrected */
 #include "pressure_impl.h"
 
-#define LEAST_STEPS 5 /* in which the divergence source corrects density errors; SourceDivergence says why */
+#define LEAST_STEPS 3 /* in which the divergence source corrects density errors; SourceDivergence says why */
 
 /* Eq. (8): rhs = (rho_a - rho_0)/(rho_0 dt^2). Walls push, but pull only with -pressure_wall_suction: the density of a
    wall particle without liquid all around is too low although no liquid is rarefied. Its row has few pairs and would

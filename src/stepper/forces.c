@@ -190,6 +190,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   PetscCall(StepApparentViscosity(stepper));
   PetscCall(PressureSetKeptShare(stepper->pressure, 0));
+  if (stepper->keeps_pressure && !stepper->relaxing) PetscCall(PressurePredict(stepper->pressure));
   if (!fused) PetscCall(PetscArrayzero(acceleration, DIM * cloud->n_owned));
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
@@ -201,6 +202,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     AddBodyForce(cloud, acceleration);
     StepHook(stepper, force, stepper, dt, trial);
   }
+  PressureTakeCarried(stepper->pressure, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
   StepHook(stepper, surround, stepper);
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];

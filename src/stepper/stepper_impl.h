@@ -130,6 +130,9 @@ PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result
 /* StepKick - FIELD_VELOCITY_NEW = FIELD_VELOCITY_STAR - dt grad p/rho, Eq. (9). First removes from FIELD_VELOCITY_STAR
    the share of the former pressure that an implicit step kept in it. */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial);
+/* StepCalm - after StepKick, calms FIELD_VELOCITY_NEW at the surface of liquid whose weight the pressure carries; reads
+   FIELD_VELOCITY_GRADIENT, FIELD_CARRIED. Collective. */
+PetscErrorCode StepCalm(Stepper stepper, PetscReal dt);
 /* StepDriftOn - the second half of the drift: FIELD_POSITION_NEW = from + dt/2 FIELD_VELOCITY_NEW. half_done is false:
    both halves, from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10). from: [n_fluid][3], m. */
 PetscErrorCode StepDriftOn(Stepper stepper, PetscReal dt, const PetscReal from[], PetscBool half_done);

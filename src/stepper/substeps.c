@@ -71,6 +71,7 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(CloudGetWork(cloud, DIM, &a));
   PetscCall(PressureAcceleration(stepper->pressure, a));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v[k] = v_star[k] + dt * a[k]; /* Eq. (9) */
+  PressureKeepCarried(stepper->pressure, a);
   PetscCall(CloudRestoreWork(cloud, &a));
   PetscCall(StepTensionWork(stepper, dt, trial));
   StepHook(stepper, kick, stepper, dt, trial);

@@ -89,7 +89,7 @@ static PetscErrorCode TestStep(void)
      PETSC_FALSE},
     {"tension, Cahn-Hilliard", QUIET "-a_tension 7e4 -tension_type cahn_hilliard", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
      PETSC_FALSE},
-    {"force", QUIET "-gravity 0,-1000", 1, 9, PETSC_FALSE, 0.06 * PetscSqrtReal(H / 1000), PETSC_FALSE},
+    {"force", QUIET "-gravity 0,-1000", 1, 9, PETSC_FALSE, 0.25 * PetscSqrtReal(H / 1000), PETSC_FALSE},
     {"force, not centered", QUIET "-gravity 0,-1000 -time_centered 0", 1, 9, PETSC_FALSE,
      0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
     {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, 0.05 * 0.1, PETSC_TRUE},
