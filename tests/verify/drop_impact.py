@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The main case at a spacing of 1 mm (a drop of 4 spacings) to 6 ms: a regression, not a verification. The crater is
-too shallow at this spacing: measured depth at 5 ms 3.83 mm, the reference has 5.04; kinetic energy 100 uJ against 118.
+too shallow at this spacing: measured depth at 5 ms 3.78 mm, the reference has 5.04; kinetic energy 99 uJ against 118.
 The bands around the measured values let other packings through and a lost correction not: without shifting the energy
 is 55 uJ and the crater 2.6 mm deep. It does not see gravity; the case free_fall does."""
 import os
@@ -10,8 +10,8 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import numpy as np  # noqa: E402
 import runs  # noqa: E402
 
-# at 5 ms: low, high; seeds 1 to 4 give 3.74 to 3.87 mm, 92.7 to 100.4 uJ, 10.2 to 12.8 mm
-BANDS = {"crater_depth": (3.2e-3, 4.6e-3), "kinetic_energy": (87e-6, 104e-6), "crater_diameter": (10e-3, 13.7e-3)}
+# at 5 ms: low, high; seeds 1 to 4 give 3.37 to 4.03 mm, 87.3 to 99.1 uJ, 9.7 to 13.2 mm
+BANDS = {"crater_depth": (3.2e-3, 4.6e-3), "kinetic_energy": (85e-6, 104e-6), "crater_diameter": (9e-3, 13.7e-3)}
 REFERENCE = {"crater_depth": 0.40, "kinetic_energy": 0.30, "crater_diameter": 0.20}  # largest errors
 DROP_ENERGY = 0.5 * 1100 * 4 / 3 * np.pi * 2e-3**3 * 3.124667342**2  # J
 VOLUME = 40e-3 * 40e-3 * 10e-3 + 4 / 3 * np.pi * 2e-3**3  # m3
