@@ -7,8 +7,16 @@
 
 #define FREE_EDGE "free" /* the name of FreeEdge */
 
+/* A free body that two others (or walls: negative) hit at once. */
+typedef struct {
+  PetscBool seen;
+  PetscInt  body, by[2];
+} HitTogether;
+
 /* The data of FreeEdge. */
 typedef struct {
+  HitTogether         hit;                                    /* the first one of the run */
+  PetscBool           said;                                   /* by Doubt */
   PetscReal           drag[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
   PetscReal           impulse[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* of 'push' in this step, N s, N m s */
   PetscReal           contact[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* impulses of contacts in this step, N s, N m s */
@@ -35,10 +43,11 @@ PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal ve
 
 /* FreeTouch - changes the motions of the free bodies, motion[solids][RIGID_MOTIONS], so that they do not enter walls,
    solids and each other in a step of dt (s) that ends at a time (s), nor close a gap of a spacing within 'leave' (s),
-   and gives sum[solids][RIGID_MOTIONS] the impulses (N s, N m s) that do it; the same on every rank. Collective.
-   FreeFriction, FreeRestitution - the coefficients of a free body. Not collective. */
+   and gives sum[solids][RIGID_MOTIONS] the impulses (N s, N m s) that do it; the same on every rank. hit: is set,
+   unless it has been seen before. Collective. FreeFriction, FreeRestitution - the coefficients of a free body. Not
+   collective. */
 PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal leave, PetscReal motion[],
-                         PetscReal sum[]);
+                         PetscReal sum[], HitTogether *hit);
 PetscReal      FreeFriction(Body solid);
 PetscReal      FreeRestitution(Body solid);
 

@@ -30,9 +30,9 @@
 #define DONE    1e-10 /* largest change of a velocity in the last sweep, over the largest velocity */
 #define AROUND                                                                                                         \
   0.3 /* spacings to the sides within which a surface is plane: the first dummy particle is at half of one */
-#define PLANE  1e-6 /* one less the cosine between the normals of a plane */
-#define BEFORE 0.5  /* cosine between the way to an edge and the normal of the surface before which it is */
-#define NOBODY -1   /* a wall, in place of the index of a solid */
+#define PLANE    1e-6 /* one less the cosine between the normals of a plane */
+#define BEFORE   0.5  /* cosine between the way to an edge and the normal of the surface before which it is */
+#define NOBODY   -1   /* a wall, in place of the index of a solid */
 #define SLIDE    0.75 /* spacings that a place slides at most: half of those between particles, in any direction */
 #define SLIDES   4    /* of regula falsi; on a circle 1e-6 spacings are left */
 #define CORNER   0.5  /* sine of the angle from which a place belongs to a corner, and does not slide */
@@ -40,7 +40,9 @@
 #define BENT     0.2  /* change of the slope within SLIDE, over the slope, of a bent surface; no reference */
 #define WEDGE    10  /* spacings that liquid leaves a wedge in 'leave', faster than liquid of the scene; no reference */
 #define TOGETHER 0.1 /* spacings between places of a face that hit at once, and from there to none; no reference */
-#define TIE      1e-3 /* the same of places on a bent surface, which touches at one */
+#define NOTICED                                                                                                        \
+  0.01           /* spacings, by which a body approaches in a step that hits; less is what weight does to one at rest */
+#define TIE 1e-3 /* the same of places on a bent surface, which touches at one */
 
 /* A place where two solids may touch, of particle id of the solid 'one'; all numbers are of one width, for MPI. */
 typedef struct {
@@ -293,38 +295,52 @@ static PetscBool TakePlane(Scene scene, const Layer *layer, const PetscReal x[DI
   return PETSC_TRUE;
 }
 
+/* Sets the velocity of the surfaces that do not move freely, of the first less the other, where they touch. */
+static void SetDriven(Scene scene, Domain domain, PetscReal time, Place *place)
+{
+  const PetscInt pair[2] = {(PetscInt)place->one, (PetscInt)place->other};
+
+  for (PetscInt d = 0; d < DIM; d++) place->u[d] = 0;
+  for (PetscInt k = 0; k < 2; k++) {
+    const PetscReal *v = pair[k] < 0 ? domain->wall_velocity[(NOBODY - pair[k]) / 2][(NOBODY - pair[k]) % 2] : NULL;
+    PetscReal        image[DIM], motion[DIM];
+
+    if (IsFree(scene, pair[k])) continue;
+    if (!v) {
+      (void)BodyNearest(SceneSolid(scene, pair[k]), place->x, image);
+      BodyMotion(SceneSolid(scene, pair[k]), time, image, motion);
+      v = motion;
+    }
+    for (PetscInt d = 0; d < DIM; d++) place->u[d] += k ? -v[d] : v[d];
+  }
+}
+
 /* Adds the place where a layer may touch a wall or another solid in a step of dt (s). */
 static PetscErrorCode AddPlace(Scene scene, Domain domain, const Layer *layer, PetscReal time, const PetscReal motion[],
                                PetscReal dt, Place *place, PetscSegBuffer places)
 {
   const PetscInt one = layer->one, other = (PetscInt)place->other;
-  PetscReal      x[DIM], own[DIM], image[DIM], v[2][DIM] = {{0}}, distance, toward[DIM];
+  PetscReal      x[DIM], own[DIM], v[DIM], distance, toward[DIM];
   Place         *kept;
 
   PetscFunctionBegin;
-  for (PetscInt d = 0; d < DIM; d++) x[d] = image[d] = layer->x[d];
+  for (PetscInt d = 0; d < DIM; d++) x[d] = layer->x[d];
   if (other >= 0 && BodyBeyond(SceneSolid(scene, other), domain->spacing + layer->depth, x))
     PetscFunctionReturn(PETSC_SUCCESS);
   distance = OtherDistance(scene, domain, other, x, place->n);
   if (Norm(place->n) == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (other >= 0) {
-    if (distance - layer->depth > domain->spacing) PetscFunctionReturn(PETSC_SUCCESS);
-    (void)BodyNearest(SceneSolid(scene, other), x, image);
-    if (!IsFree(scene, one)) BodyMotion(SceneSolid(scene, one), time, x, v[0]);
-    if (!IsFree(scene, other)) BodyMotion(SceneSolid(scene, other), time, image, v[1]);
-  }
-  for (PetscInt d = 0; d < DIM; d++) {
-    place->u[d] = v[0][d] - v[1][d];
-    place->x[d] = x[d] - distance * place->n[d];
-  }
-  Apart(scene, place, motion, v[0]);
-  if (distance - layer->depth > CLOSE * domain->spacing + dt * Norm(v[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  if (other >= 0 && distance - layer->depth > domain->spacing) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < DIM; d++) place->x[d] = x[d] - distance * place->n[d];
+  SetDriven(scene, domain, time, place);
+  Apart(scene, place, motion, v);
+  if (distance - layer->depth > CLOSE * domain->spacing + dt * Norm(v)) PetscFunctionReturn(PETSC_SUCCESS);
   DistanceNormal(scene, SceneOneDistance, one, layer->own, own);
   place->aside = Slide(scene, domain, layer, x, own, &distance, place->n, other);
   for (PetscInt d = 0; d < DIM; d++) {
     place->x[d] = x[d] - distance * place->n[d];
     toward[d]   = layer->own[d] + (x[d] - layer->x[d]) - layer->depth * place->n[d];
   }
+  SetDriven(scene, domain, time, place);
   place->gap  = distance - layer->depth;
   place->open = PetscSqrtReal(
     PetscMax(0, -2 * SceneOneDistance(scene, one, toward) / PetscMax(layer->depth, TIE * domain->spacing)));
@@ -401,15 +417,12 @@ static PetscReal Rebound(const Place *place, PetscReal spacing, PetscReal reboun
   return (share * (1 + rebound) - 1) * approach;
 }
 
-/* Sets the aims of the places, and raises 'fastest' (m/s) to their largest velocity. */
-static PetscErrorCode SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal leave, const PetscReal motion[],
-                              PetscInt n, Place place[], PetscReal *fastest)
+/* Sets the aims of the places, and raises 'fastest' (m/s) to their largest velocity. first[pairs]: the gap (m) of the
+   first place of a pair that hits, else -PETSC_MAX_REAL; approach[n]: m/s, into the other one. */
+static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal leave, const PetscReal motion[],
+                    PetscInt pairs, PetscReal first[], PetscInt n, PetscReal approach[], Place place[],
+                    PetscReal *fastest)
 {
-  const PetscInt solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
-  PetscReal     *first, *approach;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(pairs, &first, n, &approach));
   for (PetscInt p = 0; p < pairs; p++) first[p] = -PETSC_MAX_REAL; /* the pair does not hit */
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal gap = place[k].gap, rebound = Pair(scene, &place[k], FreeRestitution),
@@ -436,22 +449,44 @@ static PetscErrorCode SetAims(Scene scene, PetscReal spacing, PetscReal dt, Pets
       place[k].aim = PetscMax(place[k].aim, Rebound(&place[k], spacing, Pair(scene, &place[k], FreeRestitution),
                                                     approach[k], place[k].gap - before));
   }
-  PetscCall(PetscFree2(first, approach));
-  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds a free body that is hit while another one or a wall presses on it, too: how it shares the impulse among them
+   follows from no law of two bodies. */
+static void FindTogether(Scene scene, PetscReal least, const PetscReal first[], const PetscReal approach[], PetscInt n,
+                         const Place place[], HitTogether *hit)
+{
+  for (PetscInt k = 0; k < n && !hit->seen; k++) {
+    if (approach[k] < least || first[PairOf(scene, &place[k])] == -PETSC_MAX_REAL || place[k].across == 0) continue;
+    for (PetscInt j = 0; j < n && !hit->seen; j++) {
+      if (place[j].across == 0 || PairOf(scene, &place[j]) == PairOf(scene, &place[k])) continue;
+      for (PetscInt side = 0; side < 4 && !hit->seen; side++) {
+        const PetscInt by[2] = {(PetscInt)(side % 2 ? place[k].one : place[k].other),
+                                (PetscInt)(side / 2 ? place[j].one : place[j].other)},
+                       body  = (PetscInt)(side % 2 ? place[k].other : place[k].one);
+
+        if (!IsFree(scene, body) || body != (PetscInt)(side / 2 ? place[j].other : place[j].one)) continue;
+        *hit = (HitTogether){.seen = PETSC_TRUE, .body = body, .by = {by[0], by[1]}};
+      }
+    }
+  }
 }
 
 PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal leave, PetscReal motion[],
-                         PetscReal sum[])
+                         PetscReal sum[], HitTogether *hit)
 {
-  const Scene scene   = cloud->scene;
-  PetscReal   fastest = 0, change = 1;
-  PetscInt    n = 0;
-  Place      *place;
+  const Scene     scene  = cloud->scene;
+  const PetscInt  solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
+  const PetscReal spacing = cloud->domain->spacing;
+  PetscReal       fastest = 0, change = 1, *first, *approach;
+  PetscInt        n = 0;
+  Place          *place;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * SceneSolidCount(scene)));
   PetscCall(FindPlaces(cloud, time, motion, dt, &n, &place));
-  PetscCall(SetAims(scene, cloud->domain->spacing, dt, leave, motion, n, place, &fastest));
+  PetscCall(PetscMalloc2(pairs, &first, n, &approach));
+  SetAims(scene, spacing, dt, leave, motion, pairs, first, n, approach, place, &fastest);
   for (PetscInt sweep = 0; sweep < SWEEPS && change > DONE * fastest; sweep++) {
     change = 0;
     for (PetscInt k = 0; k < n; k++) {
@@ -460,6 +495,8 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal le
       change = PetscMax(change, by);
     }
   }
+  FindTogether(scene, NOTICED * spacing / dt, first, approach, n, place, hit);
+  PetscCall(PetscFree2(first, approach));
   PetscCall(PetscFree(place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

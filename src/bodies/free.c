@@ -68,7 +68,7 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] += change[k];
   }
   PetscCall(FreeTouch(cloud, StepperTime(stepper) + dt, dt, PressureRelaxationTime(StepperPressure(stepper)), motions,
-                      data->contact));
+                      data->contact, &data->hit));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
       FreeSetVelocities(cloud, b, motions + RIGID_MOTIONS * b, cloud->field[FIELD_VELOCITY_STAR]);
@@ -145,6 +145,25 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
       trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
     pair_sum += RIGID_MOTIONS;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A body that two others hit at once. */
+static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+{
+  const Scene        scene = StepperCloud(stepper)->scene;
+  FreeData          *data  = FreeDataOf(stepper);
+  const HitTogether *hit   = &data->hit;
+  const char        *by[2];
+
+  PetscFunctionBegin;
+  if (data->said || !hit->seen) PetscFunctionReturn(PETSC_SUCCESS);
+  data->said = PETSC_TRUE;
+  for (PetscInt k = 0; k < 2; k++) by[k] = hit->by[k] < 0 ? "a wall" : BodyName(SceneSolid(scene, hit->by[k]));
+  PetscCall(PetscSNPrintf(text, length,
+                          "%s is between %s and %s in a hit: its impulses act at once, so a row of balls shares the "
+                          "momentum, which real ones hand on from one to the next; leave a gap between them",
+                          BodyName(SceneSolid(scene, hit->body)), by[0], by[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -245,6 +264,7 @@ const Edge FreeEdge = {.name      = FREE_EDGE,
                                          "force, excess",
                                      Numbers},
                        .report    = Report,
+                       .doubt     = Doubt,
                        .freeze    = Freeze,
                        .hold      = FreeViscousHold,
                        .follow    = FreeViscousFollow,

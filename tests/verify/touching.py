@@ -144,7 +144,45 @@ def ranks():
     runs.check_below(max(abs(a[k][-1] - b[k][-1]) for k in (0, 1)) / SPACING, 0.02, "one and two ranks")
 
 
-PARTS = {"dry": dry, "tank": tank, "ranks": ranks}
+TURNTABLE = """-dimension 3 -spacing 0.04 -box_lower 0,0,0 -box_upper 1.2,1.2,0.5 -box_x wall -box_y wall -box_zmin wall
+ -bodies water -water_upper 0.12,1.2,0.08 -solids step,table,a -step_lower 0.12,0,0 -step_upper 0.2,1.2,0.16
+ -table_shape cylinder -table_axis z -table_center 0.7,0.6,0.06 -table_radius 0.4 -table_height 0.12
+ -table_rotation_rate 0,0,2 -table_rotation_center 0.7,0.6,0.06 -a_lower 0.6,0.5,0.12 -a_upper 0.8,0.7,0.24
+ -a_mass 5 -a_rotation_rate 0,0,2 -a_friction 0.5 -gravity 0,0,-9.81 -time_end 0.3 -time_step_max 4e-3
+ -series_interval 0.02 -checkpoint_interval 0 """
+BALLS = DRY.replace("step,a,b", "step,a,b,c") + "-a_velocity 1,0 -time_end 0.2 " + " ".join(
+    f"-{n}_shape sphere -{n}_radius 0.1 -{n}_mass 10 -{n}_restitution 1" for n in "abc")
+
+
+def moving():
+    # What carries a body has its velocity where they touch: a conveyor, a lift, a turntable.
+    one, mu = DRY.replace("step,a,b", "step,a"), 0.3
+    s = runs.series(runs.run(one + f"""-gravity 0,{-G} -box_ymin_velocity 1,0 -a_lower 0.1,0 -a_upper 0.31,0.13
+ -a_mass 20 -a_friction {mu} -time_end 0.45""", "conveyor"))
+    u = columns(s, "a")[2]
+    early = s["time"] < 0.9 / (mu * G)
+    runs.check_below(abs(u - mu * G * s["time"])[early].max(), 1e-3, "a conveyor speeds a box up by friction")
+    runs.check_within(u[-1], 0.999, 1.001, "until it has the conveyor's velocity")
+    s = runs.series(runs.run(DRY.replace("step,a,b", "step,a,lift") + f"""-gravity 0,{-G} -lift_lower 0.1,0.2
+ -lift_upper 0.6,0.3 -lift_oscillation_amplitude 0,0.05 -lift_oscillation_frequency 1.5 -a_lower 0.25,0.3
+ -a_upper 0.46,0.43 -a_mass 20 -time_end 0.7""", "lift"))
+    y = columns(s, "a")[1]
+    runs.check_below(abs(y - y[0] - 0.05 * np.sin(3 * np.pi * s["time"])).max() / SPACING, 0.05, "a lift carries a box")
+    s = runs.series(runs.run(TURNTABLE, "turntable"))
+    rates = [s[n] for n in s.dtype.names if n.startswith("a_rate")]
+    runs.check_below(max(abs(rate[-1] - due) for rate, due in zip(rates, (0, 0, 2))), 0.002,
+                     "a box turns with its table")
+    # A row of balls that touch shares the momentum of a hit, and the run says so; with gaps it is handed on.
+    for name, gap, due in (("touching", 0, (-1 / 3, 2 / 3, 2 / 3)), ("apart", SPACING, (0, 0, 1))):
+        folder = runs.run(BALLS + f" -a_center 0.3,0.6 -b_center 0.6,0.6 -c_center {0.8 + gap},0.6", f"row_{name}")
+        s = runs.series(folder)
+        u = [columns(s, body)[2][-1] for body in "abc"]
+        runs.check_below(np.abs(np.subtract(u, due)).max(), 1e-6, f"a row of balls, {name}")
+        said = "b is between a and c in a hit" in open(os.path.join(folder, "log.txt"), encoding="utf-8").read()
+        runs.check(said == (gap == 0), f"the run says that hits are at once, {name}", said)
+
+
+PARTS = {"dry": dry, "tank": tank, "ranks": ranks, "moving": moving}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
