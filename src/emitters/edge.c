@@ -137,6 +137,9 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
     emissions->work -= dt * Dot(force + DIM * p->a, p->v);
     PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_NEW] + DIM * p->a, p->v, DIM));
   }
+  for (PetscInt g = cloud->n_owned; g < cloud->n_total; g++) /* each rank has the forces of its own liquid */
+    if (CloudPushes(cloud, g))
+      emissions->work -= dt * Dot(force + DIM * g, cloud->field[FIELD_VELOCITY_STAR] + DIM * g);
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

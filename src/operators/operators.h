@@ -146,11 +146,14 @@ PetscErrorCode OperatorsViscosityRemainder(Cloud cloud, const Viscosity *viscosi
    lists of the fluid (cloud->first), as in sum pair (v_ab.r_ab) r_ab (cleary) or sum pair v_ab (morris), then for each
    fluid particle the friction of a ring's growth, 1/s. Uses the factors and positions of the last search. Collective.
    OperatorsViscosityApply - out ([n_fluid][3], m/s2): the operator times a velocity ([n_total][3], m/s), whose ghosts
-   it updates. Collective. OperatorsViscosityDiagonal - the diagonal ([n_fluid][3], 1/s, not positive) of the operator.
+   it updates. Collective. OperatorsViscosityRow - the same of fluid particle a, with ghosts that are up to date. Not
+   collective. OperatorsViscosityDiagonal - the diagonal ([n_fluid][3], 1/s, not positive) of the operator.
  */
 PetscInt64     OperatorsViscosityRoom(Cloud cloud);
 PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, const PetscReal density[],
                                        PetscReal pair[]);
+void           OperatorsViscosityRow(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[], PetscInt a,
+                                     const PetscReal velocity[], PetscReal out[DIM]);
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
                                        PetscReal velocity[], PetscReal out[]);
 PetscErrorCode OperatorsViscosityDiagonal(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],

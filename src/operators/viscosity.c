@@ -462,18 +462,23 @@ PetscErrorCode OperatorsViscosityPairs(Cloud cloud, const Viscosity *viscosity, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void OperatorsViscosityRow(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[], PetscInt a,
+                           const PetscReal velocity[], PetscReal out[DIM])
+{
+  const PetscInt64 first = cloud->first[a];
+
+  SumPairs(cloud, viscosity->form, a, (PetscInt)(cloud->first[a + 1] - first), cloud->list + first, pair + first,
+           velocity, out);
+  out[0] += pair[cloud->first[cloud->n_fluid] + a] * velocity[DIM * a];
+}
+
 PetscErrorCode OperatorsViscosityApply(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[],
                                        PetscReal velocity[], PetscReal out[])
 {
   PetscFunctionBegin;
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, velocity));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscInt64 first = cloud->first[a];
-
-    SumPairs(cloud, viscosity->form, a, (PetscInt)(cloud->first[a + 1] - first), cloud->list + first, pair + first,
-             velocity, out + DIM * a);
-    out[DIM * a] += pair[cloud->first[cloud->n_fluid] + a] * velocity[DIM * a];
-  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    OperatorsViscosityRow(cloud, viscosity, pair, a, velocity, out + DIM * a);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

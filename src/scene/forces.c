@@ -2,6 +2,12 @@
    Forces. One with a potential is in the balance of energy by it; the work of one without is counted in the run. */
 #include "scene_impl.h"
 
+/* Whether a uniform force has no potential along direction d: a particle that goes round comes back to where it was. */
+static inline PetscBool GoesRound(Domain domain, PetscInt d)
+{
+  return (PetscBool)(d < domain->dim && domain->face[d][0] == FACE_PERIODIC);
+}
+
 /* --- gravity --- */
 
 static const OptionRow gravity[] = {
@@ -23,7 +29,7 @@ static PetscReal GravityPotential(Domain domain, const void *data, const PetscRe
 {
   PetscReal energy = 0;
 
-  for (PetscInt d = 0; d < domain->dim; d++) energy -= x[d] * ((const PetscReal *)data)[d];
+  for (PetscInt d = 0; d < domain->dim; d++) energy -= GoesRound(domain, d) ? 0 : x[d] * ((const PetscReal *)data)[d];
   return energy;
 }
 
@@ -215,12 +221,19 @@ void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
   for (PetscInt k = 0; Forces[k]; k++) Forces[k]->add(scene->domain, scene->force[k], x, g);
 }
 
-PetscBool SceneShaking(Scene scene, const PetscReal x[DIM], PetscReal shake[DIM])
+PetscBool SceneDrive(Scene scene, const PetscReal x[DIM], PetscReal drive[DIM])
 {
-  for (PetscInt d = 0; d < DIM; d++) shake[d] = 0;
-  for (PetscInt k = 0; Forces[k]; k++)
-    if (!Forces[k]->potential) Forces[k]->add(scene->domain, scene->force[k], x, shake);
-  return (PetscBool)(Norm(shake) > 0);
+  for (PetscInt d = 0; d < DIM; d++) drive[d] = 0;
+  for (PetscInt k = 0; Forces[k]; k++) {
+    PetscReal g[DIM] = {0, 0, 0};
+
+    if (!Forces[k]->potential)
+      Forces[k]->add(scene->domain, scene->force[k], x, drive);
+    else if (Forces[k]->direction)
+      Forces[k]->direction(scene->force[k], g);
+    for (PetscInt d = 0; d < DIM; d++) drive[d] += GoesRound(scene->domain, d) ? g[d] : 0;
+  }
+  return (PetscBool)(Norm(drive) > 0);
 }
 
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])

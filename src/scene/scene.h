@@ -197,13 +197,14 @@ PetscBool SceneComesLater(Scene scene);
 /* SceneSetTime - sets the time (s) of forces that depend on it. SceneTime - that time; NAN: not yet set. */
 void      SceneSetTime(Scene scene, PetscReal time);
 PetscReal SceneTime(Scene scene);
-/* SceneShaking - the sum of the forces without a potential at x (m) and that time (m/s2); whether it is any. */
-PetscBool SceneShaking(Scene scene, const PetscReal x[DIM], PetscReal shake[DIM]);
+/* SceneDrive - the part of the body forces without a potential at x (m) and that time (m/s2), that along periodic
+   directions too; whether it is any. */
+PetscBool SceneDrive(Scene scene, const PetscReal x[DIM], PetscReal drive[DIM]);
 /* SceneFrameTurns - whether the frame of reference rotates. SceneFrameRate - its angular velocity (rad/s). */
 PetscBool SceneFrameTurns(Scene scene);
 void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);
 /* SceneAcceleration - acceleration g (m/s2) of all body forces at x (m): gravity, shaking, central and centrifugal.
-   SceneForcePotential - the potential (J/kg) of those that have one. */
+   SceneForcePotential - the potential (J/kg) of those that have one, without SceneDrive. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has a viscosity or a surface tension; if not, the step skips

@@ -20,7 +20,7 @@ typedef enum {
   SUM_FRICTION_WORK,  /* the part of it done by walls and solids that move, J */
   SUM_TENSION_WORK,   /* J */
   SUM_SOLID_WORK,     /* J */
-  SUM_SHAKING_WORK,   /* J */
+  SUM_DRIVE_WORK,     /* J */
   SUM_SURFACES,       /* of each surface: liquid that flows in, m3; area, m2; integral of the pressure of tension, N */
   SUM_SURFACES_LAST = SUM_SURFACES + SURFACES * SURFACE_SUMS - 1,
   SUM_KINETIC,       /* kinetic energy, J */

@@ -49,14 +49,14 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, const PetscReal v[], Ste
   }
 }
 
-void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial)
+void DriveWork(Cloud cloud, PetscReal time, StepTrial *trial)
 {
   const PetscReal *v = cloud->field[FIELD_VELOCITY];
-  PetscReal        shake[DIM];
+  PetscReal        drive[DIM];
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (SceneShaking(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, shake))
-      trial->sum[SUM_SHAKING_WORK] += time * cloud->volume[a] * cloud->rest_density[a] * Dot(v + DIM * a, shake);
+    if (SceneDrive(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, drive))
+      trial->sum[SUM_DRIVE_WORK] += time * cloud->volume[a] * cloud->rest_density[a] * Dot(v + DIM * a, drive);
 }
 
 PetscBool StepViscosityFused(Stepper stepper)
@@ -137,10 +137,13 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
   PetscCall(ViscousGetKeptKick(stepper, &kick));
   if (split) {
     PetscCall(PressureAcceleration(stepper->pressure, kick));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) /* no pressure moves it */
+      if (PressureHolds(stepper->pressure, a)) PetscCall(PetscArrayzero(kick + DIM * a, DIM));
     for (PetscInt k = 0; k < n; k++) v_star[k] += dt * kick[k];
   }
   PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
   StepHook(stepper, drag, stepper, dt, v_star, trial);
+  if (split) ViscousRelease(stepper);
   if (split)
     for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * kick[k];
   trial->sum[SUM_VISCOUS_WORK] = MassWeightedDot(cloud, FIELD_VELOCITY_STAR) - before;
@@ -197,7 +200,7 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
     trial->sum[SUM_VISCOUS_WORK] = KickWork(cloud, dt);
     StepHook(stepper, drag, stepper, dt, v, trial);
   }
-  ShakingWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
+  DriveWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
   if (!stepper->relaxing) {
     AddBodyForce(cloud, acceleration);
     StepHook(stepper, force, stepper, dt, trial);

@@ -37,7 +37,7 @@ const NumberRow StateRows[] = {
   NUMBER(taken, NUMBER_REAL),
   ENERGY(friction_work, ENERGY_FRICTION, "the friction of walls that move"),
   ENERGY(solid_work, ENERGY_GIVEN, "the pressure of solids that move"),
-  ENERGY(shaking_work, ENERGY_GIVEN, "shaking"),
+  ENERGY(drive_work, ENERGY_GIVEN, "gravity along periodic directions and shaking"),
   ENERGY(outflow_energy, ENERGY_TAKEN, "what left through open faces"),
   ENERGY(given_energy, ENERGY_BROUGHT, "the program that changed the liquid"),
   {.name = NULL},

@@ -276,7 +276,7 @@ static void RecordExchange(const PetscReal sum[], PetscReal tension, StepState *
   Exchange(state, sum[SUM_FRICTION_WORK]);
   Exchange(state, tension);
   Exchange(state, sum[SUM_SOLID_WORK]);
-  Exchange(state, sum[SUM_SHAKING_WORK]);
+  Exchange(state, sum[SUM_DRIVE_WORK]);
   Exchange(state, state->kinetic_energy - sum[SUM_KINETIC]);
   state->kinetic_energy = sum[SUM_KINETIC];
   state->kinetic_most   = PetscMax(state->kinetic_most, state->kinetic_energy);
@@ -300,7 +300,7 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   state->viscous_work += sum[SUM_VISCOUS_WORK];
   state->friction_work += sum[SUM_FRICTION_WORK];
   state->solid_work += sum[SUM_SOLID_WORK];
-  state->shaking_work += sum[SUM_SHAKING_WORK];
+  state->drive_work += sum[SUM_DRIVE_WORK];
   state->tension_work += tension;
   state->tension_swing += PetscAbsReal(tension);
   state->flow_time = dt * PetscMax(state->kinetic_energy, sum[SUM_KINETIC]) /

@@ -21,7 +21,7 @@ typedef struct {
   PetscReal viscous_work;       /* done by viscosity on the fluid so far, J; dissipation is negative */
   PetscReal tension_work;       /* done by surface tension on the fluid so far, J */
   PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
-  PetscReal shaking_work;       /* done by the oscillating part of gravity so far, J */
+  PetscReal drive_work;         /* done by SceneDrive so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
   PetscReal given_energy;       /* kinetic + potential that a program of isph.h gave the liquid so far, J */
   PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */

@@ -38,6 +38,7 @@ typedef struct {
   PetscInt64    capacity;                         /* of pair */
   PetscInt      layout;                           /* cloud->layout for which the solver was made */
   PetscInt      held_count, held_capacity, *held; /* fluid particles whose velocity is given: ViscousHold */
+  PetscReal    *held_star;                        /* [held_count][3] their FIELD_VELOCITY_STAR before the solve, m/s */
   PetscReal    *kept_kick;                        /* [n_fluid][3] dt times the kept share of -grad p/rho, m/s */
   PetscInt      kick_capacity;                    /* particles */
   Solver        solver;                           /* of the velocities of the fluid, [n_fluid][3] */
@@ -168,9 +169,8 @@ void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state
 
 /* --- forces.c --- */
 
-/* ShakingWork - adds to the trial the work of the oscillating part of gravity with FIELD_VELOCITY in a time (s). Not
-   collective. */
-void ShakingWork(Cloud cloud, PetscReal time, StepTrial *trial);
+/* DriveWork - adds to the trial the work of SceneDrive with FIELD_VELOCITY in a time (s). Not collective. */
+void DriveWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* StepApparentViscosity - OperatorsApparentViscosity, and what edges change of it. Collective. */
 PetscErrorCode StepApparentViscosity(Stepper stepper);
@@ -195,11 +195,13 @@ PetscBool ViscosityIsExplicit(Stepper stepper);
 /* ViscousSetFromOptions - reads -viscosity_..., inside an options block. ViscousPrepare - reads the options of the
    solver, if the run may need it. ViscousGetKeptKick - an array [n_fluid][3] (borrowed) that lasts until the end of the
    step. ViscousSolve - FIELD_VELOCITY_STAR, v* without viscosity, becomes u with u = v* + dt V u, ghosts included;
-   walls keep their own velocity. Collective. */
+   walls keep their own velocity. Collective. ViscousRelease - gives held liquid the v* that viscosity alone gives it,
+   from which the work of what holds it follows. Right after ViscousSolve. Not collective. */
 PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsObject);
 PetscErrorCode ViscousPrepare(Stepper stepper);
 PetscErrorCode ViscousGetKeptKick(Stepper stepper, PetscReal **kick);
 PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal density[], SolverReport *report);
+void           ViscousRelease(Stepper stepper);
 PetscErrorCode ViscousDestroy(Stepper stepper);
 
 /* --- time_step.c --- */

@@ -114,7 +114,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
   trial->largest[LARGEST_DISPLACEMENT] += largest;
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
-  ShakingWork(cloud, 0.5 * dt, trial);
+  DriveWork(cloud, 0.5 * dt, trial);
   StepHook(stepper, guard, stepper, dt, trial);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);

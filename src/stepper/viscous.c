@@ -57,7 +57,10 @@ PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM])
   if (viscous->held_count == viscous->held_capacity) {
     viscous->held_capacity = cloud->n_fluid;
     PetscCall(PetscRealloc((size_t)viscous->held_capacity * sizeof(*viscous->held), &viscous->held));
+    PetscCall(PetscRealloc((size_t)viscous->held_capacity * DIM * sizeof(PetscReal), &viscous->held_star));
   }
+  PetscCall(
+    PetscArraycpy(viscous->held_star + DIM * viscous->held_count, cloud->field[FIELD_VELOCITY_STAR] + DIM * a, DIM));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY] + DIM * a, v, DIM));
   viscous->held[viscous->held_count++] = a;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -177,6 +180,7 @@ PetscErrorCode ViscousDestroy(Stepper stepper)
   PetscCall(Reset(&stepper->viscous));
   PetscCall(PetscFree(stepper->viscous.pair));
   PetscCall(PetscFree(stepper->viscous.held));
+  PetscCall(PetscFree(stepper->viscous.held_star));
   PetscCall(PetscFree(stepper->viscous.kept_kick));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -268,4 +272,19 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ViscousRelease(Stepper stepper)
+{
+  const Viscous *viscous = &stepper->viscous;
+  PetscReal     *v_star = stepper->cloud->field[FIELD_VELOCITY_STAR], *held_star = viscous->held_star;
+
+  for (PetscInt h = 0; h < viscous->held_count; h++) { /* the others need the velocities that were given */
+    PetscReal a[DIM];
+
+    OperatorsViscosityRow(stepper->cloud, &stepper->viscosity, viscous->pair, viscous->held[h], v_star, a);
+    for (PetscInt d = 0; d < DIM; d++) held_star[DIM * h + d] += viscous->dt * a[d];
+  }
+  for (PetscInt h = 0; h < viscous->held_count; h++)
+    for (PetscInt d = 0; d < DIM; d++) v_star[DIM * viscous->held[h] + d] = held_star[DIM * h + d];
 }

@@ -34,7 +34,7 @@ static const StepState state = {.time           = 0.125,
                                 .friction_work  = 0.005,
                                 .given          = 0.3,
                                 .taken          = 0.2,
-                                .shaking_work   = 0.02,
+                                .drive_work     = 0.02,
                                 .edge           = {0.003}, /* of emitters, the first edge that has a number */
                                 .outflow_energy = 0.0004,
                                 .start_energy   = 0.5,
