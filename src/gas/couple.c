@@ -438,8 +438,9 @@ static PetscErrorCode SetUp(void *context, Pressure pressure)
     if (PocketIsVoid(pocket)) pocket->tracked = pocket->volume;
     /* the flux gives the fast changes of the volume, the cells the slow ones */
     if (gas->before_known && !gas->frozen) pocket->tracked += dt * gas->old[k + 1];
-    pocket->tracked += correction * (pocket->volume - pocket->tracked);
-    V = pocket->tracked = PetscMax(pocket->tracked, LEAST * pocket->volume);
+    V = PetscMax(pocket->tracked + correction * (pocket->volume - pocket->tracked), LEAST * pocket->volume);
+    if (gas->before_known && !gas->frozen && !constant) gas->unseen += pocket->pressure * (V - pocket->tracked);
+    pocket->tracked = V;
     if ((gas->frozen || constant) && gas->matrix[k * n + k] == 0) { /* nothing that moves sees it */
       gas->matrix[k * n + k] = 1;
       gas->g[k]              = 0;

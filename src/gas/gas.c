@@ -221,6 +221,7 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
     power += P * gas->old[k];
     so_far->highest = PetscMax(so_far->highest, P);
   }
+  so_far->swept += gas->unseen;
   /* swept: to the start of the step; in its second half the power goes on as it did */
   so_far->work  = so_far->swept + 0.5 * state->time_step * (2 * power - so_far->power);
   so_far->power = power;

@@ -182,6 +182,7 @@ typedef struct {
   PetscInt  idle;                       /* steps since pockets were looked for */
   PetscInt  born, split, merged, ended; /* in this step */
   PetscReal enclosed, vented, lost;     /* in this step */
+  PetscReal unseen;                     /* in this step, its work by changes of volume that no flux tells, J */
   PetscInt  layout;                     /* of the cloud, when the rows were found */
   PetscInt  rows, rows_capacity, gaps, gaps_capacity;
   GasRow   *row;

@@ -447,6 +447,12 @@ static PetscErrorCode Look(Gas *gas, PetscBool exact, Regions *regions, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The pressure (Pa, over that of the open air) of an amount of gas in a volume. */
+static PetscReal Compressed(const Gas *gas, PetscReal amount, PetscReal volume)
+{
+  return amount > 0 && volume > 0 ? gas->ambient * (PetscPowReal(amount / volume, gas->exponent) - 1) : 0;
+}
+
 PetscErrorCode GasFind(Gas *gas, PetscBool exact)
 {
   GasCells *cells   = &gas->cells[gas->before.cells == &gas->cells[0]];
@@ -457,6 +463,7 @@ PetscErrorCode GasFind(Gas *gas, PetscBool exact)
 
   PetscFunctionBegin;
   gas->ended     = 0;
+  gas->unseen    = 0;
   gas->now.cells = cells;
   gas->now.moved = 0;
   exact          = (PetscBool)(exact || !gas->before_known || gas->before.count || !gas->open);
@@ -487,8 +494,12 @@ PetscErrorCode GasFind(Gas *gas, PetscBool exact)
       (gas->frozen || gas->exponent == 0 ? 1 : PetscPowReal(start[k] / gas->ambient, 1 / gas->exponent));
     gas->enclosed += pocket->amount - had;
     pocket->tracked += air[k] * pocket->volume;
-    if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought)
-      pocket->tracked += pocket->volume - was[k]; /* no flux tells it */
+    if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought) {
+      const PetscReal growth = pocket->volume - was[k]; /* no flux tells it */
+
+      gas->unseen += growth * Compressed(gas, pocket->amount, pocket->tracked + 0.5 * growth);
+      pocket->tracked += growth;
+    }
   }
   gas->found = PETSC_TRUE;
   gas->same  = PETSC_FALSE;
@@ -507,7 +518,7 @@ PetscErrorCode GasKeep(Gas *gas, PetscBool *kept)
   gas->now   = gas->before;
   gas->found = gas->same = PETSC_TRUE;
   gas->born = gas->split = gas->merged = gas->ended = 0;
-  gas->enclosed = gas->vented = gas->lost = 0;
+  gas->enclosed = gas->vented = gas->lost = gas->unseen = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
