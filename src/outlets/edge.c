@@ -11,6 +11,12 @@ static const NumberRow rows[] = {
   {"outlet_ymax", NUMBER_REAL, offsetof(OutletNumbers, left[3]), ENERGY_NONE, NULL},
   {"outlet_zmin", NUMBER_REAL, offsetof(OutletNumbers, left[4]), ENERGY_NONE, NULL},
   {"outlet_zmax", NUMBER_REAL, offsetof(OutletNumbers, left[5]), ENERGY_NONE, NULL},
+  {"outlet_push_xmin", NUMBER_REAL, offsetof(OutletNumbers, push[0]), ENERGY_NONE, NULL},
+  {"outlet_push_xmax", NUMBER_REAL, offsetof(OutletNumbers, push[1]), ENERGY_NONE, NULL},
+  {"outlet_push_ymin", NUMBER_REAL, offsetof(OutletNumbers, push[2]), ENERGY_NONE, NULL},
+  {"outlet_push_ymax", NUMBER_REAL, offsetof(OutletNumbers, push[3]), ENERGY_NONE, NULL},
+  {"outlet_push_zmin", NUMBER_REAL, offsetof(OutletNumbers, push[4]), ENERGY_NONE, NULL},
+  {"outlet_push_zmax", NUMBER_REAL, offsetof(OutletNumbers, push[5]), ENERGY_NONE, NULL},
   {.name = NULL},
 };
 
@@ -133,9 +139,26 @@ static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
 }
 
 /* Of this step, summed with the trial. */
-static OutletNumbers *Now(Stepper stepper)
+static OutletSums *Sums(Stepper stepper)
 {
-  return (OutletNumbers *)StepEdgeSums(stepper, OUTLETS);
+  return (OutletSums *)StepEdgeSums(stepper, OUTLETS);
+}
+
+/* Sums the work of the outsides on the surfaces in front of them. */
+static void SumPush(const Outlets *outlets, PetscReal dt, OutletSums *sums)
+{
+  const Cloud      cloud = outlets->cloud;
+  const PetscReal *n = cloud->field[FIELD_NORMAL], *v = cloud->field[FIELD_VELOCITY],
+                  *v_new = cloud->field[FIELD_VELOCITY_NEW];
+
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscInt  face  = cloud->integer[INT_SURFACE][a] ? OutletsFacing(outlets, a) : -1;
+    const PetscReal force = face < 0 ? 0 : 2 * cloud->volume[a] * OutletsPressure(outlets, a, NULL);
+
+    if (force == 0) continue;
+    sums->load[face] += force * Norm(n + DIM * a);
+    sums->now.push[face] += 0.5 * dt * force * (Dot(n + DIM * a, v + DIM * a) + Dot(n + DIM * a, v_new + DIM * a));
+  }
 }
 
 static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
@@ -143,12 +166,14 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
   Outlets *outlets = OutletsOf(stepper);
 
   PetscFunctionBegin;
-  PetscCall(OutletsCalm(outlets, dt, outlets->cloud->field[FIELD_VELOCITY_NEW], &Now(stepper)->work));
+  SumPush(outlets, dt, Sums(stepper));
+  PetscCall(OutletsCalm(outlets, dt, outlets->cloud->field[FIELD_VELOCITY_NEW], &Sums(stepper)->now.work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What will leave with this step, and the work of the pressure that it leaves against. The work on the surface at its
-   velocity, as that of surface tension, was 2.5 % larger in a channel: a surface that particles leave is uneven. */
+   velocity, as that of surface tension, is 2.5 % larger in a channel: a surface that particles leave is uneven. So it
+   counts beside that on what left only while the surface is in front of the face, or half a spacing behind it. */
 static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Outlets    *outlets = OutletsOf(stepper);
@@ -158,25 +183,61 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
     const PetscInt   f = DomainExit(cloud->domain, x);
+    PetscReal        P;
 
     if (f < 0 || !outlets->face[f / 2][f % 2]->on) continue;
-    Now(stepper)->left[f] += cloud->volume[a];
-    Now(stepper)->work -= cloud->volume[a] * OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
+    P = OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
+    Sums(stepper)->now.left[f] += cloud->volume[a];
+    Sums(stepper)->now.work -= cloud->volume[a] * P;
+    Sums(stepper)->against[f] += cloud->volume[a] * P;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The work (J) of an outside on the surface in front of it beside that on what left, after its work 'by' of a step,
+   'taken' of it by what left. Their small differences add up in a long flow; so a surface that has not been pushed in
+   stays within half a spacing of the face. */
+static PetscReal Pushed(PetscReal before, PetscReal by, PetscReal taken, PetscReal half)
+{
+  const PetscReal now = PetscMax(before + by, -half);
+
+  return now > half ? now + taken : PetscMin(now + taken, half);
+}
+
 static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
 {
-  Outlets       *outlets = OutletsOf(stepper);
-  OutletNumbers *so_far  = (OutletNumbers *)StepperNumbers(stepper, state, OUTLETS);
-  OutletNumbers  sum     = *Now(stepper);
+  Outlets          *outlets = OutletsOf(stepper);
+  OutletNumbers    *so_far  = (OutletNumbers *)StepperNumbers(stepper, state, OUTLETS);
+  const OutletSums *sum     = Sums(stepper);
 
   PetscFunctionBegin;
   if (outlets->frozen) PetscFunctionReturn(PETSC_SUCCESS);
-  so_far->work += sum.work;
-  for (PetscInt f = 0; f < 2 * DIM; f++) so_far->left[f] += sum.left[f];
+  so_far->work += sum->now.work;
+  for (PetscInt f = 0; f < 2 * DIM; f++) {
+    const PetscReal before = so_far->push[f], row = sum->load[f] * outlets->cloud->domain->spacing;
+
+    so_far->left[f] += sum->now.left[f];
+    so_far->push[f] = Pushed(before, sum->now.push[f], sum->against[f], 0.5 * row);
+    so_far->work += so_far->push[f] - before;
+    if (!outlets->higher && row > 0 && so_far->push[f] > row) outlets->higher = f + 1;
+  }
   outlets->so_far = *so_far;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An outside that has pushed the surface in by more than a spacing. */
+static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+{
+  Outlets       *outlets = OutletsOf(stepper);
+  const PetscInt f       = outlets->higher - 1;
+
+  PetscFunctionBegin;
+  if (f < 0 || outlets->said) PetscFunctionReturn(PETSC_SUCCESS);
+  outlets->said = PETSC_TRUE;
+  PetscCall(PetscSNPrintf(text, length,
+                          "the outside of %s presses more than the liquid inside: liquid would enter there, but none "
+                          "does, so a gap opens at the face; an emitter (-<body>_type emitter) brings liquid",
+                          FaceNames[f / 2][f % 2]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,7 +266,7 @@ const Edge OutletEdge = {.name        = OUTLETS,
                          .gauge       = &GaugeOutlets,
                          .data_size   = sizeof(Outlets),
                          .number_size = sizeof(OutletNumbers),
-                         .sums        = sizeof(OutletNumbers) / sizeof(PetscReal),
+                         .sums        = sizeof(OutletSums) / sizeof(PetscReal),
                          .numbers     = rows,
                          .create      = Create,
                          .on          = On,
@@ -216,4 +277,5 @@ const Edge OutletEdge = {.name        = OUTLETS,
                          .kick        = Kick,
                          .guard       = Guard,
                          .commit      = Commit,
+                         .doubt       = Doubt,
                          .renew       = Renew};

@@ -60,6 +60,22 @@ PetscReal OutletsPressure(const Outlets *outlets, PetscInt a, PetscReal slope[DI
   return P / PetscMax(looks, FULL_COS);
 }
 
+PetscInt OutletsFacing(const Outlets *outlets, PetscInt a)
+{
+  const PetscReal *n    = outlets->cloud->field[FIELD_NORMAL] + DIM * a;
+  PetscReal        most = 0;
+  PetscInt         face = -1;
+
+  for (PetscInt f = 0; f < 2 * DIM; f++) {
+    const PetscReal looks = f % 2 ? -n[f / 2] : n[f / 2];
+
+    if (!outlets->face[f / 2][f % 2]->on || looks <= most) continue;
+    most = looks;
+    face = f;
+  }
+  return face;
+}
+
 static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
 {
   const Outlets   *outlets = (const Outlets *)context;
