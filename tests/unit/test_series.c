@@ -175,19 +175,16 @@ static PetscReal After(const char text[], const char word[])
   return found ? atof(found + strlen(word)) : NAN;
 }
 
-/* The residual is what the energy has gained beyond the works of viscosity and tension. */
-static PetscErrorCode TestBudget(void)
+#define REPORT 4096
+
+/* What the budget of a run in a state says. */
+static PetscErrorCode Report(const StepState *of, char text[REPORT])
 {
-  struct _p_Sim   sim        = {.comm = PETSC_COMM_WORLD, .state = state};
-  FILE           *out        = PETSC_STDOUT;
-  const PetscReal gain       = kinetic + potential - 0.5;
-  char            text[4096] = "";
-  PetscMPIInt     rank;
-  size_t          length;
-  Run             run;
+  struct _p_Sim sim = {.comm = PETSC_COMM_WORLD, .state = *of};
+  FILE         *out = PETSC_STDOUT;
+  Run           run;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(RunCreate(OPTIONS, &run));
   PetscCall(Fill(&run, Low, 0));
   sim.domain   = run.domain;
@@ -196,11 +193,43 @@ static PetscErrorCode TestBudget(void)
   PETSC_STDOUT = tmpfile();
   PetscCall(BudgetReport(&sim));
   rewind(PETSC_STDOUT);
-  length       = fread(text, 1, sizeof(text) - 1, PETSC_STDOUT);
-  text[length] = 0;
+  text[fread(text, 1, REPORT - 1, PETSC_STDOUT)] = 0;
   (void)fclose(PETSC_STDOUT);
   PETSC_STDOUT = out;
   PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What dominates the error is said of energy that grows where liquid comes in, and where it does not. */
+static PetscErrorCode TestVerdict(void)
+{
+  StepState grows = state;
+  char      text[REPORT];
+
+  PetscFunctionBegin;
+  PetscCall(Report(&state, text));
+  CHECK(strstr(text, "dominant    the solver's tolerance"), "verdict: the solver");
+  grows.solver_error = 0;
+  grows.start_energy = -10;
+  PetscCall(Report(&grows, text));
+  CHECK(strstr(text, "dominant    the particle spacing where liquid comes in"), "verdict: where liquid comes in");
+  PetscCall(PetscArrayzero(grows.edge, PETSC_STATIC_ARRAY_LENGTH(grows.edge)));
+  grows.outflow_energy = 0;
+  PetscCall(Report(&grows, text));
+  CHECK(strstr(text, "dominant    not known (energy grows)"), "verdict: not known");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The residual is what the energy has gained beyond the works of viscosity and tension. */
+static PetscErrorCode TestBudget(void)
+{
+  const PetscReal gain = kinetic + potential - 0.5;
+  char            text[REPORT];
+  PetscMPIInt     rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(Report(&state, text));
   if (rank) PetscFunctionReturn(PETSC_SUCCESS);
   CHECK_CLOSE(After(text, "kinetic "), kinetic, 1e-3 * kinetic, "budget: kinetic energy");
   CHECK_CLOSE(After(text, "potential "), potential, 1e-3 * potential, "budget: potential energy");
@@ -230,6 +259,7 @@ int main(int argc, char **argv)
   PetscCall(TestSeries());
   PetscCall(TestSnapshot());
   PetscCall(TestBudget());
+  PetscCall(TestVerdict());
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
   if (!rank) CHECK(!system("rm -rf " FOLDER), "folder removed");
   PetscCall(PetscOptionsClear(NULL));

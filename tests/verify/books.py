@@ -59,7 +59,23 @@ def gas():
     runs.check_below(abs(rest[-1]) * np.ptp(s["outside_work"]) / taken, 0.06, "books of a vessel that is filled")
 
 
-PARTS = {"periodic": periodic, "emitters": emitters, "gas": gas}
+TANK = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.7 -box_xmin wall -gravity 0,-9.81 -bodies water
+ -water_upper 1,0.5 -series_interval 0.05 """
+
+
+def outlets():
+    # Water that falls through the floor against a pressure, and water that a higher outside pushes in, which it says.
+    rest = books(TANK + "-box_xmax wall -box_ymin_pressure 3000 -time_end 0.3", "floor")[1]
+    runs.check_below(abs(rest[-1]), 0.02, "books of a floor that is an outlet")
+    s, rest = books(TANK + "-box_ymin wall -box_xmax_level 0.6 -time_end 0.8", "higher")
+    given = s["outside_work"][-1]
+    runs.check(given > 20, "a higher outside gives energy", given)
+    runs.check_below(rest[-1] * np.ptp(s["outside_work"]), 1, "and no less than the water gets")
+    with open(runs.scratch("higher/log.txt"), encoding="utf-8") as log:
+        runs.check("the outside of xmax presses more" in log.read(), "it says that liquid would enter")
+
+
+PARTS = {"periodic": periodic, "emitters": emitters, "gas": gas, "outlets": outlets}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
