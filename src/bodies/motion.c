@@ -270,6 +270,23 @@ static PetscErrorCode MotionSetUp(Body body)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* x = c + s + R (y - c): where the point is that was at y at the time 0. */
+static void Forth(const struct _p_Motion *m, const PetscReal shift[DIM], PetscReal turn[DIM][DIM],
+                  const PetscReal y[DIM], PetscReal x[DIM])
+{
+  for (PetscInt i = 0; i < DIM; i++) {
+    x[i] = m->center[i] + shift[i];
+    for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
+  }
+}
+
+static void MotionForth(Body body, PetscReal x[DIM])
+{
+  const PetscReal y[DIM] = {x[0], x[1], x[2]};
+
+  Forth(body->motion, body->motion->shift, body->motion->turn, y, x);
+}
+
 static void MotionBack(Body body, const PetscReal x[DIM], PetscReal y[DIM])
 {
   Back(body->motion, body->motion->shift, body->motion->turn, x, y);
@@ -351,10 +368,7 @@ void BodyMove(Body solid, PetscReal from, PetscReal to, PetscReal x[DIM])
   Pose(solid, from, shift, turn);
   Back(m, shift, turn, x, y);
   Pose(solid, to, shift, turn);
-  for (PetscInt i = 0; i < DIM; i++) {
-    x[i] = m->center[i] + shift[i];
-    for (PetscInt j = 0; j < DIM; j++) x[i] += turn[i][j] * (y[j] - m->center[j]);
-  }
+  Forth(m, shift, turn, y, x);
 }
 
 static void MotionVelocity(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM])
@@ -425,6 +439,7 @@ const MotionOps SolidMotion = {.rows     = {MotionOptions, FreeOptions},
                                .view     = MotionView,
                                .move     = MotionSetTime,
                                .back     = MotionBack,
+                               .forth    = MotionForth,
                                .velocity = MotionVelocity,
                                .speed    = MotionSpeed,
                                .moments  = MotionMoments};

@@ -37,18 +37,19 @@ static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of another solid, with another motion, in which x is deeper than a spacing; NULL: none. */
-static const char *Inside(Scene scene, Body solid, PetscReal spacing, const PetscReal x[DIM])
+/* The name of another solid, with another motion, in which x is deeper than a spacing; NULL: none. given: free bodies
+   do not count. */
+static const char *Inside(Scene scene, Body solid, PetscReal spacing, PetscBool given, const PetscReal x[DIM])
 {
   for (PetscInt b = 0; b < SceneSolidCount(scene); b++)
-    if (SceneSolid(scene, b) != solid && !BodyMovesAs(SceneSolid(scene, b), solid) &&
-        BodyDistance(SceneSolid(scene, b), x) < -spacing)
+    if ((!given || BodyMass(SceneSolid(scene, b)) == 0) && SceneSolid(scene, b) != solid &&
+        !BodyMovesAs(SceneSolid(scene, b), solid) && BodyDistance(SceneSolid(scene, b), x) < -spacing)
       return BodyName(SceneSolid(scene, b));
   return NULL;
 }
 
 /* Refuses a step in which a solid would leave the box or enter another solid. */
-static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
+static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
 {
   const Cloud     cloud  = StepperCloud(stepper);
   const Domain    domain = cloud->domain;
@@ -68,12 +69,12 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t le
     PetscReal   x[DIM];
     const char *other, *face = NULL;
 
-    if (!solid) continue;
+    if (!solid || (ahead && BodyMass(solid) > 0)) continue;
     for (PetscInt d = 0; d < DIM; d++) x[d] = arrays.real[FIELD_POSITION][DIM * a + d];
     BodyMove(solid, from, to, x);
     for (PetscInt d = 0; d < domain->dim; d++)
       if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) face = FaceNames[d][x[d] > domain->upper[d]];
-    other = Inside(scene, solid, domain->spacing, x);
+    other = Inside(scene, solid, domain->spacing, ahead, x);
     if (face) PetscCall(PetscSNPrintf(why, length, "the solid %s moves out of the box at %s", BodyName(solid), face));
     if (other) PetscCall(PetscSNPrintf(why, length, "the solid %s moves into the solid %s", BodyName(solid), other));
   }

@@ -179,13 +179,13 @@ static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, Petsc
 }
 
 /* Refuses to fill what is full. */
-static PetscErrorCode Check(Stepper stepper, PetscReal dt, char why[], size_t length)
+static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
 {
   const Scene     scene = StepperCloud(stepper)->scene;
   const PetscReal now   = StepperTime(stepper);
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene) && Of(stepper)->full && !why[0]; b++)
+  for (PetscInt b = 0; b < SceneCount(scene) && Of(stepper)->full && !ahead && !why[0]; b++)
     if (BodyComesLater(SceneBody(scene, b)) && BodyFillings(SceneBody(scene, b), now + dt) > 0)
       PetscCall(
         PetscSNPrintf(why, length,

@@ -161,9 +161,14 @@ static PetscReal TravelTime(Body body, PetscReal time)
 
 static void FillingMoments(Body body, Moments *moments)
 {
-  const Emitter *e = (const Emitter *)body->type_data;
+  const Emitter  *e    = (const Emitter *)body->type_data;
+  const PetscReal past = PetscMax(0, PetscCeilReal((moments->start - e->start) / e->interval));
 
-  for (PetscInt k = 0; k < FILLINGS_LOOKED_AT; k++) MomentAdd(moments, e->start + (0.5 + k) * e->interval);
+  for (PetscInt k = 0; k < FILLINGS_LOOKED_AT; k++) { /* of a jet the first ones, of drops the next ones */
+    const PetscReal filling = (WithoutGaps(body) ? 0 : past) + k;
+
+    if (e->count == 0 || filling < e->count) MomentAdd(moments, e->start + (0.5 + filling) * e->interval);
+  }
   MomentAdd(moments, e->start - e->interval);
   if (e->count > 0) MomentAdd(moments, e->start + (0.5 + (PetscReal)e->count) * e->interval);
   for (PetscInt k = 0; k < e->rows; k++) MomentAdd(moments, e->row[k][0]);

@@ -98,9 +98,10 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
     const Body body = k < bodies ? SceneBody(scene, k) : SceneSolid(scene, k - bodies);
 
     PetscCheckUser(count[k] > 0 || (k < bodies && BodyComesLater(body)), cloud->comm,
-                   "no particle of -spacing %g m fits into the %s %s: it is too small for the spacing, or covered by a "
-                   "solid",
-                   (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body));
+                   "no particle of -spacing %g m fits into the %s %s: it is too small for the spacing, covered by a "
+                   "solid%s",
+                   (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body),
+                   BodyMoves(body) ? ", or outside of the box where its motion has it at the start" : "");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

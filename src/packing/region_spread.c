@@ -1,6 +1,7 @@
 /* Spreads particles of different sizes evenly, as the shifting does during a run: each moves against sum V_b (1 + 0.2
    (W/W(s))^4) grad W. Faces of the region mirror it, so that the first layer comes to rest half a spacing from them.
    With the kernel used here particles do not pair. Each rank moves its share of the points; all know all positions. */
+#include "../scene/body.h"
 #include "packing_impl.h"
 
 #define ROUNDS       150 /* of displacements */
@@ -139,13 +140,14 @@ static inline void Displace(const Region *region, Body body, PetscReal x[DIM])
   if (!region->solid) BodyDisplace(body, x);
 }
 
-/* Signed distance (m) of a point, after the body's displacement, to the body's surface. */
+/* Signed distance (m) of a point, after the body's displacement, to the body's surface; a solid is where its shape is.
+ */
 static PetscReal Distance(const Region *region, Body body, const PetscReal x[DIM])
 {
   PetscReal y[DIM] = {x[0], x[1], x[2]};
 
   Displace(region, body, y);
-  return BodyDistance(body, y);
+  return ShapeDistance(body, y);
 }
 
 /* The outward normal of the body's surface at x. */

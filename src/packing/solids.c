@@ -20,7 +20,8 @@ typedef struct {
   PetscReal *at[DIM], cell;
 } Planes;
 
-/* Where the solid is, along periodic directions beyond the box, too; there[d]: it reaches both closed faces. */
+/* Where the solid's shape is, along periodic directions and of one that moves beyond the box, too; through[d]: it
+   reaches both closed faces. */
 static void Extent(Domain domain, Body solid, PetscReal lower[DIM], PetscReal upper[DIM], PetscBool through[DIM])
 {
   const PetscReal tiny = POINT_TOLERANCE * domain->spacing;
@@ -33,7 +34,7 @@ static void Extent(Domain domain, Body solid, PetscReal lower[DIM], PetscReal up
     if (d >= domain->dim) continue;
     through[d] = (PetscBool)(domain->face[d][0] != FACE_OPEN && domain->face[d][1] != FACE_OPEN &&
                              lower[d] <= domain->lower[d] + tiny && upper[d] >= domain->upper[d] - tiny);
-    if (domain->face[d][0] != FACE_PERIODIC || through[d]) continue;
+    if ((domain->face[d][0] != FACE_PERIODIC && !solid->motion) || through[d]) continue;
     lower[d] = low[d];
     upper[d] = high[d];
   }
@@ -150,7 +151,8 @@ static PetscBool InBox(Domain domain, const PetscReal x[DIM])
   return PETSC_TRUE;
 }
 
-/* The points of the planes in the box less than 'reach' (m) outside of the solid, and less than 'depth' inside. */
+/* The points of the planes in the box less than 'reach' (m) outside of the solid's shape, and less than 'depth' inside;
+   those of a solid that moves may lie outside of the box. */
 static PetscErrorCode PlanesPoints(Domain domain, Body solid, PetscReal reach, PetscReal depth, PetscInt *n,
                                    PetscReal *cell, RegionPoint **point)
 {
@@ -168,8 +170,8 @@ static PetscErrorCode PlanesPoints(Domain domain, Body solid, PetscReal reach, P
     if (k % POINTS_ALIVE == 0) InterruptAlive(NULL);
     CellCoordinates(planes.n, k, at);
     for (PetscInt d = 0; d < DIM; d++) one.x[d] = planes.at[d][at[d]];
-    one.measure = BodyDistance(solid, one.x);
-    if (one.measure >= reach || one.measure <= -depth || !InBox(domain, one.x)) continue;
+    one.measure = ShapeDistance(solid, one.x);
+    if (one.measure >= reach || one.measure <= -depth || (!solid->motion && !InBox(domain, one.x))) continue;
     PetscCall(PetscSegBufferGet(found, 1, &kept));
     *kept = one;
   }
@@ -311,8 +313,11 @@ PetscErrorCode SolidVisit(void *source, SampleVisitor visitor, void *context)
     else
       PetscCall(FillShape(cloud, solid, depth, &n, &cell, &point));
     for (PetscInt k = 0; k < n; k++) {
+      BodyForth(solid, point[k].x);
       DomainWrap(domain, point[k].x);
-      if (Owns(cloud->scene, b, point[k].x) && BodyNearest(solid, point[k].x, image) > -depth) point[kept++] = point[k];
+      if (InBox(domain, point[k].x) && Owns(cloud->scene, b, point[k].x) &&
+          BodyNearest(solid, point[k].x, image) > -depth)
+        point[kept++] = point[k];
     }
     OwnShare(cloud->comm, kept, &first, &last);
     for (PetscInt k = first; k < last; k++) {

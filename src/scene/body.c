@@ -61,6 +61,11 @@ PetscReal BodyDistance(Body body, const PetscReal x[DIM])
   return ShapeDistance(body, y);
 }
 
+void BodyForth(Body body, PetscReal x[DIM])
+{
+  if (body->motion) SolidMotion.forth(body, x);
+}
+
 void BodyFindBall(Body solid)
 {
   PetscReal lower[DIM], upper[DIM], center[DIM], corner[DIM] = {0};

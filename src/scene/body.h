@@ -75,7 +75,8 @@ typedef struct {
   PetscErrorCode (*view)(Body solid, PetscBool tension, PetscViewer viewer);
   void (*move)(Body solid, PetscReal time); /* to its position at a time (s) */
   void (*back)(Body solid, const PetscReal x[DIM],
-               PetscReal y[DIM]); /* y (m): where the point at x was at the time 0 */
+               PetscReal y[DIM]);              /* y (m): where the point at x was at the time 0 */
+  void (*forth)(Body solid, PetscReal x[DIM]); /* moves the point that was at x (m) at the time 0 to where it is */
   void (*velocity)(Body solid, PetscReal time, const PetscReal x[DIM], PetscReal v[DIM]); /* see BodyMotion */
   PetscReal (*speed)(Body solid, const PetscReal lower[DIM],
                      const PetscReal upper[DIM]); /* bound of it in a box, m/s */
@@ -116,8 +117,10 @@ struct _p_Body {
   struct _p_Free     *free;                /* of a free body; else NULL */
 };
 
-/* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. Not collective. */
+/* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. BodyForth - moves the point of
+   the body that was at x (m) at the time 0 to where it is. Not collective. */
 PetscReal ShapeDistance(Body body, const PetscReal x[DIM]);
+void      BodyForth(Body body, PetscReal x[DIM]);
 /* BodyFindBall - finds the extent of a solid about its middle. BodyBeyond - whether x (m) is farther than reach (m)
    from the ball of a solid and of its periodic images. Not collective. */
 void      BodyFindBall(Body solid);

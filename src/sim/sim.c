@@ -252,6 +252,7 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
+  PetscCall(StepperForesee(sim->stepper, sim->state.time, sim->time_end));
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE));
   if (!restarting) {

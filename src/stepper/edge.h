@@ -118,8 +118,9 @@ typedef struct {
   /* --- a step; the order of these members is that of the calls, which tests/unit/test_hooks.c holds; explicit
      viscosity calls 'drag' before 'force' --- */
 
-  /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty */
-  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, char why[], size_t length);
+  /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty;
+     ahead: at the start of the run, for a time dt later, of what depends on the time alone */
+  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length);
   /* keeps its state at the start of a step, for 'restore', which goes back to it before each trial */
   PetscErrorCode (*save)(Stepper stepper);
   PetscErrorCode (*restore)(Stepper stepper);

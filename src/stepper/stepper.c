@@ -1,5 +1,6 @@
 #include "stepper_impl.h"
 
+#define FORESEEN     64    /* times at which StepperForesee looks */
 #define MAX_HALVINGS 10    /* of a step that is rolled back */
 #define STALLED      1e-12 /* step over time: a smaller step does not advance the time */
 /* Factor on the velocities in a step of the relaxation; cases/drop_impact/paper.md compares others. */
@@ -197,6 +198,27 @@ PetscBool StepperRepairsAtOnce(Stepper stepper)
   return (PetscBool)(stepper->ops->at_once && !PressureTakesDivergence(stepper->pressure));
 }
 
+PetscErrorCode StepperForesee(Stepper stepper, PetscReal start, PetscReal end)
+{
+  PetscReal moment[FORESEEN];
+  PetscInt  n;
+  char      why[256] = "";
+
+  PetscFunctionBegin;
+  if (end == PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
+  n             = SceneMoments(stepper->cloud->scene, start, end, FORESEEN / 2, moment);
+  stepper->time = start;
+  for (PetscInt k = 1; k <= FORESEEN / 2 && n; k++) moment[n++] = start + (end - start) * 2 * k / FORESEEN;
+  PetscCall(PetscSortReal(n, moment));
+  for (PetscInt k = 0; k < n; k++) {
+    StepHook(stepper, check, stepper, moment[k] - start, PETSC_TRUE, why, sizeof(why));
+    PetscCheckUser(!why[0], stepper->cloud->comm, "%s, at %g s or before; another motion or an earlier -time_end helps",
+                   why, (double)moment[k]);
+  }
+  SceneMoveSolids(stepper->cloud->scene, start);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode StepperReset(Stepper stepper, PetscBool resumed, StepState *state)
 {
   PetscFunctionBegin;
@@ -331,7 +353,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   why[0] = 0;
-  StepHook(stepper, check, stepper, dt, why, length);
+  StepHook(stepper, check, stepper, dt, PETSC_FALSE, why, length);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   StepHook(stepper, save, stepper);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {

@@ -110,6 +110,9 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperJson - writes the scheme, if a step has been chosen its bounds, and what edges add, into the open object of
    scene.json. Not collective. */
 void StepperJson(Stepper stepper, PetscBool chosen, Json *json);
+/* StepperForesee - refuses (UserError) at the start of a run from 'start' to 'end' (s; PETSC_MAX_REAL: not known) what
+   would stop it later, as far as motions tell. Collective. */
+PetscErrorCode StepperForesee(Stepper stepper, PetscReal start, PetscReal end);
 /* StepperPrepare - sets the solver up at the present state, so that it reads all its options. Collective. */
 PetscErrorCode StepperPrepare(Stepper stepper);
 /* StepperAdvance - makes one accepted step, at most to the time 'end' (s). Rolls back and halves the step as often as

@@ -144,6 +144,11 @@ def scenes():
         process = runs.start(PLANE + options + f" -output_dir {runs.scratch('solid_' + name)}")
         runs.check(process.returncode > 0 and all(word in process.stderr for word in words + ["last good state"]),
                    f"solid_{name}", process.stderr)
+    for name, options, words in (("leaves", "-part_velocity 0,1", ["the solid part moves out of the box at ymax"]),
+                                 ("swings_out", "-part_oscillation_amplitude 0,0.5 -part_oscillation_frequency 3",
+                                  ["the solid part moves out of the box at ymax"]),
+                                 ("meets", "-part_velocity 1,0", ["the solid part moves into the solid post"])):
+        refused(f"solid_{name}_later", PLANE + options + " -time_end 1", words + ["-time_end"])
     refused("solid_moves_with_printed_scheme", PLANE + "-part_velocity 1,0 -scheme density_invariant",
             ["-scheme consistent"])
     refused("relaxation_with_another_scheme", PLANE + "-packing_relaxation_time 1",

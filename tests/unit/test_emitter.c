@@ -49,6 +49,24 @@ static PetscErrorCode TestTimes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A run that drops keep busy waits for the next one, until the last has come. */
+static PetscErrorCode TestMoments(void)
+{
+  PetscReal moment[16];
+  Setup     s;
+
+  PetscFunctionBegin;
+  PetscCall(SetupOpen(EMITTERS "-jet_interval 3 -jet_modulation 0 ", &s));
+  for (PetscInt k = 0; k < 3; k++) {
+    const PetscInt n = BodyMoments(SceneBody(s.scene, 0), 0.2 + 3 * k, 100, 16, moment);
+
+    CHECK(n > 0 && PetscAbsReal(moment[0] - (0.3 + 3 * (k + 0.5))) < 1e-12, "the middle after the next filling");
+  }
+  CHECK(BodyMoments(SceneBody(s.scene, 0), 0.3 + 3 * 4, 100, 16, moment) == 0, "nothing after the last");
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* An emitter holds what is in its shape, what has come less far than its nozzle, and nothing beside or behind it. */
 static PetscErrorCode TestHolds(void)
 {
@@ -230,6 +248,7 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestTimes());
+  PetscCall(TestMoments());
   PetscCall(TestHolds());
   PetscCall(TestParticles());
   for (PetscInt k = 0; k < 2; k++) {

@@ -6,6 +6,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import numpy as np  # noqa: E402
 import physics  # noqa: E402
 import runs  # noqa: E402
 
@@ -51,9 +52,32 @@ def solves():
         runs.check_below(iterations[1] / iterations[0], most, f"second solve of the settling over the first, {kind}")
 
 
-for part in runs.parts(*SCENES, *(f"tank_{kind}" for kind in TANKS), "solves"):
-    if part == "solves":
-        solves()
+AWAY = f"""-dimension 2 -spacing 0.05 -box_lower 0,0 -box_upper 2,1.4 -box_x periodic -box_ymin wall -gravity 0,-9.81
+ -bodies film -film_upper 2,0.3 -solids part -time_start 1 -time_end 2 -steps_max 1
+ -part_motion_file {runs.scratch("way.csv")} """
+
+
+def away():
+    """A solid that its motion has taken elsewhere before the start has the dummies of its shape there."""
+    turn, shift, center = np.radians(30), np.array([0.9, 0.3]), np.array([0.4, 0.65])
+    rotate = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    for name, shape in (("box", "-part_lower 0.2,0.5 -part_upper 0.6,0.8"),
+                        ("disc", "-part_shape sphere -part_radius 0.15 -part_center 0.4,0.65")):
+        places = []
+        for x, y, angle in ((0, 0, 0), (*shift, np.degrees(turn))):
+            with open(runs.scratch("way.csv"), "w", encoding="utf-8") as file:
+                file.writelines(f"{time},{x},{y},{angle}\n" for time in (0, 9))
+            folder = runs.run(AWAY + shape + " -part_rotation_center 0.4,0.65", f"{name}{angle:.0f}")
+            f = runs.fields(runs.numbered(folder, "checkpoint")[-1])
+            places.append(f["position"][f["body"] < -1][:, :2])
+        if runs.check(len(places[0]) == len(places[1]), f"{name}: as many dummies", [len(p) for p in places]):
+            moved = (places[0] - center) @ rotate.T + center + shift
+            runs.check_below(abs(places[1] - moved).max() / 0.05, 1e-9, f"{name}: each where the motion has it")
+
+
+for part in runs.parts(*SCENES, *(f"tank_{kind}" for kind in TANKS), "solves", "away"):
+    if part in ("solves", "away"):
+        {"solves": solves, "away": away}[part]()
         continue
     if part not in SCENES:
         tank(part[len("tank_"):])
