@@ -8,7 +8,8 @@ typedef struct {
 
 static const OptionRow options[] = {
   {"-gauge_pockets",
-   "Write pockets.csv: volume, pressure, amount and centre of each pocket of gas, with -gas; voids have the amount 0",
+   "Write pockets.csv: volume, pressure, amount and centre of each pocket of gas, with -gas, and how many of it the "
+   "whole scene has; voids have the amount 0",
    NULL, NULL, ROW_BOOL, offsetof(PocketGauge, wanted)},
   {.name = NULL},
 };
@@ -68,26 +69,61 @@ static PetscErrorCode ColumnsTable_Pockets(Gauges gauges, const void *data, Colu
                       "pressure"));
   PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .of = OF_PIECE}, "amount"));
   PetscCall(ColumnAddVector(list, place, 0, DIM - 1, ""));
+  PetscCall(ColumnAdd(list, (Column){.counts = COUNTS_VALUE, .of = OF_PIECE}, "number"));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mirrors that the pockets touch, and the axis of rings: [pockets][DIM], -1 at the lower, 1 at the upper face. */
+static void FindMirrors(const Gas *gas, PetscReal mirror[])
+{
+  const GasCells *cells  = gas->before.cells;
+  const Domain    domain = gas->cloud->domain;
+
+  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
+    const PetscInt d      = f / 2;
+    PetscInt       n[DIM] = {cells->n[0], cells->n[1], cells->n[2]}, at[DIM];
+
+    if (domain->face[d][f % 2] != FACE_SYMMETRY && (f % 2 || !DomainIsRadial(domain, d))) continue;
+    n[d] = 1;
+    for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
+      PetscInt node;
+
+      CellCoordinates(n, k, at);
+      if (f % 2) at[d] = cells->n[d] - 1;
+      node = GasCellsNode(cells, at[0], at[1], at[2]);
+      if (node >= 0 && cells->label[node] > GAS_AIR) mirror[DIM * (cells->label[node] - 1) + d] = f % 2 ? 1 : -1;
+    }
+  }
 }
 
 static PetscErrorCode Rows_Pockets(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
 {
-  const PetscInt width   = 4 + DIM;
+  const PetscInt width   = 5 + DIM;
+  const Domain   domain  = GaugesCloud(gauges)->domain;
   const Pockets *pockets = &RunGas(gauges)->before;
+  PetscReal     *mirror;
   PetscMPIInt    rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(GaugesCloud(gauges)->comm, &rank));
   *count = rank ? 0 : pockets->count;
   PetscCall(PetscMalloc1(width * *count, values));
+  PetscCall(PetscCalloc1(DIM * *count, &mirror));
+  if (*count) FindMirrors(RunGas(gauges), mirror);
   for (PetscInt k = 0; k < *count; k++) {
-    const Pocket   *pocket = &pockets->pocket[k + 1];
-    const PetscReal row[]  = {k + 1., pocket->tracked, pocket->pressure, pocket->amount};
+    const Pocket *pocket = &pockets->pocket[k + 1];
+    PetscReal    *row = *values + width * k, *center = row + 4, larger;
 
-    PetscCall(PetscArraycpy(*values + width * k, row, 4));
-    PetscCall(PetscArraycpy(*values + width * k + 4, pocket->center, DIM));
+    PetscCall(PetscArraycpy(center, pocket->center, DIM));
+    if (DomainIsRadial(domain, 0) && mirror[DIM * k] != 0)
+      center[0] = mirror[DIM * k] = 0; /* a whole one on the axis */
+    larger = GaugeWhole(gauges, mirror + DIM * k, center, NULL, &center[DIM]);
+    row[0] = k + 1;
+    row[1] = larger * pocket->tracked;
+    row[2] = pocket->pressure;
+    row[3] = larger * pocket->amount;
   }
+  PetscCall(PetscFree(mirror));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

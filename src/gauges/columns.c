@@ -85,6 +85,23 @@ PetscReal GaugesFactor(Gauges gauges, const Column *column)
   return factor * copies;
 }
 
+PetscReal GaugeWhole(Gauges gauges, const PetscReal mirror[DIM], PetscReal center[DIM], PetscReal velocity[DIM],
+                     PetscReal *number)
+{
+  const Domain domain = gauges->cloud->domain;
+  PetscReal    larger = 1;
+
+  *number = gauges->multiplicity;
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    if (mirror[d] == 0 || *number < 2) continue;
+    *number /= 2;
+    larger *= 2;
+    center[d] = mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
+    if (velocity) velocity[d] = 0;
+  }
+  return larger;
+}
+
 Cloud GaugesCloud(Gauges gauges)
 {
   return gauges->cloud;

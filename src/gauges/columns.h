@@ -54,6 +54,13 @@ const char *GaugeReceiverName(Gauges gauges, PetscInt receiver);
 /* GaugeMirror - where a mirror of direction d doubles the liquid (m): the axis of rings; a symmetry face while *copies
    of -gauge_multiplicity are at least 2, and then *copies is halved. NAN: there is none. Not collective. */
 PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
+/* GaugeWhole - what a piece is in the whole scene of -gauge_multiplicity if it touches the mirrors at its lower (-1) or
+   upper (1) faces in 'mirror' (0: neither): a piece that touches one is connected with its image, so the whole piece is
+   twice as large, its center (m) is on the mirror, where its velocity (m/s; NULL: not wanted) across is 0, and half as
+   many of it are in the scene, *number. Without -gauge_multiplicity the image does not count. Returns how many times as
+   large it is. Not collective. */
+PetscReal GaugeWhole(Gauges gauges, const PetscReal mirror[DIM], PetscReal center[DIM], PetscReal velocity[DIM],
+                     PetscReal *number);
 /* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
 PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
 

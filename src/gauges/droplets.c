@@ -89,26 +89,18 @@ static Piece SingleParticle(Cloud cloud, PetscInt a, PetscReal label, PetscReal 
   return piece;
 }
 
-/* Divides the sums by the volume. A piece that touches a mirror is connected with its image: the whole
-   piece has twice the particles, its centre is on the mirror, and half as many copies are in the whole scene. Without
-   -gauge_multiplicity the image does not count. */
+/* Divides the sums by the volume, and makes it a piece of the whole scene. */
 static void FinishPiece(Gauges gauges, Piece *piece)
 {
-  const Domain domain = gauges->cloud->domain;
+  PetscReal larger;
 
   for (PetscInt d = 0; d < DIM; d++) {
     piece->center[d] /= piece->volume;
     piece->velocity[d] /= piece->volume;
   }
-  piece->number = gauges->multiplicity;
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    if (piece->mirror[d] == 0 || piece->number < 2) continue;
-    piece->number /= 2;
-    piece->particles *= 2;
-    piece->volume *= 2;
-    piece->center[d]   = piece->mirror[d] < 0 ? domain->lower[d] : domain->upper[d];
-    piece->velocity[d] = 0;
-  }
+  larger = GaugeWhole(gauges, piece->mirror, piece->center, piece->velocity, &piece->number);
+  piece->particles *= larger;
+  piece->volume *= larger;
 }
 
 /* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. label [n_total]: of each particle.

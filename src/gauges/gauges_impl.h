@@ -80,7 +80,8 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
 /* PointsSample - pressure (Pa) and velocity (dim components, m/s) at 'count' points at ([count][dim], m); values
    [count][1 + dim]. The value is the Shepard mean sum V W f / sum V W over the fluid within the kernel's support,
    through periodic faces and mirrors, but not through solids. A point on a wall or a solid thus reads the fluid in
-   front. In air the pressure is 0 and the velocity NAN. Inside a solid both are NAN. Collective. */
+   front. In open air the pressure is 0, in a pocket of gas its own, and the velocity NAN. Inside a solid both are NAN.
+   Collective. */
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
 /* --- heights.c --- */

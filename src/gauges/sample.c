@@ -1,4 +1,5 @@
 /* Pressure and velocity at points, interpolated from the particles. */
+#include "../stepper/stepper.h"
 #include "gauges_impl.h"
 
 #define SKIN       0.1  /* spacings: a point less deep in a solid is on its surface; triangle files are that exact */
@@ -104,6 +105,15 @@ static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointIm
   }
 }
 
+/* The pressure (Pa) at a point where no liquid is. */
+static PetscReal Beside(Gauges gauges, const PetscReal at[])
+{
+  PetscReal x[DIM] = {0, 0, 0};
+
+  for (PetscInt d = 0; d < gauges->cloud->domain->dim; d++) x[d] = at[d];
+  return gauges->run ? StepperBeside((Stepper)gauges->run, x) : 0;
+}
+
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[])
 {
   const Domain   domain = gauges->cloud->domain;
@@ -128,7 +138,10 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
   for (PetscInt p = 0; p < count; p++) {
     const PetscReal *s = sum + (2 + DIM) * p;
 
-    values[width * p] = s[0] > 0 ? s[1] / s[0] : inside[p] ? NAN : 0;
+    if (s[0] > 0)
+      values[width * p] = s[1] / s[0];
+    else
+      values[width * p] = inside[p] ? NAN : Beside(gauges, at + domain->dim * p);
     for (PetscInt d = 0; d < domain->dim; d++) values[width * p + 1 + d] = s[0] > 0 ? s[2 + d] / s[0] : NAN;
   }
   PetscCall(PetscFree2(sum, inside));

@@ -105,6 +105,8 @@ typedef struct {
   const char *(*lopsided)(Scene scene);
   /* its bound of the step, as it is now, with a spacing 'scale' (1) times as large. Not collective. */
   void (*bound)(Stepper stepper, PetscReal scale, StepBound *bound);
+  /* the pressure (Pa, over that of the open air) at x (m), where no liquid is. Not collective. */
+  PetscReal (*beside)(Stepper stepper, const PetscReal x[DIM]);
   /* whether it can bring liquid any energy, so that the scene bounds none */
   PetscBool (*drives)(Stepper stepper);
   /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */

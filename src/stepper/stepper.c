@@ -247,6 +247,15 @@ PetscInt StepperUnderresolved(Stepper stepper)
   return stepper->underresolved;
 }
 
+PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM])
+{
+  PetscReal pressure = 0;
+
+  for (const Edge *const *edge = stepper->edges; *edge; edge++)
+    if ((*edge)->beside && (!(*edge)->on || (*edge)->on(stepper))) pressure += (*edge)->beside(stepper, x);
+  return pressure;
+}
+
 PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length)
 {
   PetscFunctionBegin;

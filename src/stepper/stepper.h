@@ -166,6 +166,9 @@ PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS]);
 /* StepperUnderresolved - number of particles of viscous liquid whose neighbours in the last step lay along a line at
    most: a sheet or thread is one particle thick there and tears. Not collective. */
 PetscInt StepperUnderresolved(Stepper stepper);
+/* StepperBeside - the pressure (Pa, over that of the open air) at x (m), where no liquid is, after the last step. Not
+   collective. */
+PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM]);
 /* StepperDoubt - what an edge says about the last step, in a sentence of at most 'length' bytes; mostly empty.
    Collective. */
 PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length);

@@ -26,7 +26,7 @@ static void Heard(size_t hook)
     PetscFunctionReturn(PETSC_SUCCESS);                                                                                \
   }
 
-HEARD(check, Stepper stepper, PetscReal dt, char why[], size_t length)
+HEARD(check, Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
 HEARD(save, Stepper stepper)
 HEARD(restore, Stepper stepper)
 HEARD(drift, Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)

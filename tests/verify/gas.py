@@ -166,6 +166,24 @@ for options, word in (("-gauge_pockets", "needs -gas"), ("-gas -gas_exponent -1"
     process = runs.start(PLANE.replace("-gas -gauge_pockets", "") + options + f" -output_dir {runs.scratch('bad')}")
     runs.check(process.returncode != 0 and word in process.stdout + process.stderr, f"refuses: {options}",
                (process.stdout + process.stderr)[-300:])
+process = runs.start("""-dimension 2 -spacing 0.04 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_y wall -gas
+ -gas_exponent 0 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.6 -jet_upper 0.6,0.8 -jet_velocity 0,-1 -pool_upper 1,0.3
+ -gravity 0,-9.81 -time_end 0.5 -output_dir """ + runs.scratch("filled"))
+runs.check(process.returncode > 0 and "should keep" in process.stderr, "constant_volume_that_cannot_be_kept",
+           process.stderr[-300:])
+MIRRORED = """-dimension 2 -spacing 0.02 -box_lower -0.5,-0.5 -box_upper 0.5,0.5 -box_x wall -box_y wall -bodies water
+ -water_lower -0.5,-0.5 -water_upper 0.5,0.5 -water_holes h -h_shape sphere -h_radius 0.2 -h_center 0,0 -gas
+ -gas_pressure_start 2e5 -gauge_pockets -gauge_points 0.05,0.05 -packing_jitter 0 -time_end 2e-3 -series_interval 0 """
+whole, quarter = (runs.run(MIRRORED + more, name) for name, more in (
+    ("whole", ""), ("quarter", "-box_lower 0,0 -water_lower 0,0 -box_xmin symmetry -box_ymin symmetry "
+                               "-gauge_multiplicity 4")))
+of_whole, of_quarter = pockets(whole), pockets(quarter)
+for column in ("volume", "amount", "pressure", "number"):
+    runs.check_within(of_quarter[column][-1] / of_whole[column][-1], 0.98, 1.02, f"pocket_of_a_quarter_{column}")
+runs.check_below(max(abs(of_quarter[column][-1]) for column in "xy"), 1e-12, "pocket_of_a_quarter_centre")
+series = runs.series(whole)
+runs.check_below(abs(series["point_1_pressure_Pa"][-1] / of_whole["pressure"][-1] - 1), 1e-9,
+                 "pressure_at_a_point_in_gas")
 process = runs.start(COLUMN + f"-energy_max 1e-3 -output_dir {runs.scratch('bound')}")
 runs.check("-energy_max" in process.stdout + process.stderr, "gas_at_rest_brings_no_energy",
            (process.stdout + process.stderr)[-300:])
