@@ -82,9 +82,9 @@ PetscErrorCode OutputText(Output output, const char name[], const char text[]);
 /* OutputFolder - the run folder. Not collective. */
 const char *OutputFolder(Output output);
 /* OutputEstimate - what a run from 'start' to 'end' (s) will write: number of snapshots, bytes of a snapshot, bytes of
-   a checkpoint. Collective. */
+   a checkpoint, with the present particles; each: bytes that one more adds to either. Collective. */
 PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
-                              PetscInt64 *checkpoint);
+                              PetscInt64 *checkpoint, PetscReal each[2]);
 /* OutputOptions - the options in use as text, one a line; to be freed with PetscFree. Not collective. */
 PetscErrorCode OutputOptions(char **text);
 PetscErrorCode OutputDestroy(Output *output);

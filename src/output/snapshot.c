@@ -195,7 +195,7 @@ static PetscInt64 ParticleBytes(Output output)
 }
 
 PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, PetscInt64 *snapshots, PetscInt64 *bytes,
-                              PetscInt64 *checkpoint)
+                              PetscInt64 *checkpoint, PetscReal each[2])
 {
   PetscInt       count[2] = {0, 0}; /* in a snapshot, all */
   PetscInt64     stored   = INT_COUNT * (PetscInt64)sizeof(PetscInt);
@@ -210,8 +210,9 @@ PetscErrorCode OutputEstimate(Output output, PetscReal start, PetscReal end, Pet
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, count, 2, MPIU_INT, MPI_SUM, output->comm));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
     if (ParticlesHave(output->cloud->particles, f)) stored += Fields[f].width * (PetscInt64)sizeof(PetscReal);
-  *bytes      = FILE_HEAD + (PetscInt64)((output->content.compression ? DEFLATED : 1) * (PetscReal)count[0] *
-                                    (PetscReal)ParticleBytes(output));
+  each[0]     = (output->content.compression ? DEFLATED : 1) * (PetscReal)ParticleBytes(output);
+  each[1]     = (PetscReal)stored;
+  *bytes      = FILE_HEAD + (PetscInt64)((PetscReal)count[0] * each[0]);
   *checkpoint = count[1] * stored;
   *snapshots  = 2;
   if (output->snapshot.interval > 0 && end < PETSC_MAX_REAL)

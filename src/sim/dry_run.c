@@ -13,6 +13,7 @@
 #define WRITE_RATE   50e6  /* bytes/s, compressed and written */
 #define PICTURE      800.0 /* pixels, the larger side */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
+#define CHANGED      0.02  /* of the liquid's particles, of which a change is said */
 #define MEGABYTE     1e6
 
 /* Okabe and Ito's colours, told apart by colour-blind eyes too */
@@ -155,6 +156,8 @@ static PetscErrorCode PrintTime(Sim sim, const RunEstimate *run, PetscReal besid
   char text[64];
 
   PetscFunctionBegin;
+  if (PetscAbsReal(run->end - run->start) > CHANGED * run->start)
+    PetscCall(PetscPrintf(sim->comm, "  at the end: about %.0f particles of liquid\n", (double)run->end));
   PetscCall(FormatDuration((double)(run->steps * run->step_time + beside), text, sizeof(text)));
   PetscCall(PetscPrintf(sim->comm, "  time: about %s: %.0f steps of %.3g s on this machine", text, (double)run->steps,
                         (double)run->step_time));
@@ -258,13 +261,15 @@ PetscErrorCode SimDryRun(Sim sim)
   RunEstimate run;
   StepTimes   times;
   SceneModel  model;
-  PetscReal   beside; /* s, for the start and for output */
+  PetscReal   beside, each[2]; /* s, for the start and for output; bytes */
+  PetscInt    liquid;
   double      now;
 
   PetscFunctionBegin;
   ProgressBegin("the dry run", "nothing is lost");
   PetscCall(PetscTime(&now));
-  PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint));
+  PetscCall(OutputEstimate(sim->output, sim->state.time, sim->time_end, &snapshots, &bytes, &checkpoint, each));
+  PetscCall(CountLiquid(sim, &liquid));
   ModelFind(sim, &model);
   PetscCall(ModelPrint(sim, &model));
   PetscCall(Picture(sim));
@@ -272,7 +277,9 @@ PetscErrorCode SimDryRun(Sim sim)
   PetscCall(PrintBounds(sim));
   PetscCall(TrySteps(sim, &times));
   PetscCall(PrintMemory(sim));
-  PetscCall(EstimateRun(sim, &times, &run));
+  PetscCall(EstimateRun(sim, liquid, &times, &run));
+  bytes += (PetscInt64)(each[0] * (run.mean - run.start));
+  checkpoint += (PetscInt64)(each[1] * (run.end - run.start));
   beside = (PetscReal)(now - petsc_BaseTime) + (PetscReal)snapshots * (WRITE_TIME + (PetscReal)bytes / WRITE_RATE);
   PetscCall(PrintTime(sim, &run, beside));
   PetscCall(PetscPrintf(sim->comm,

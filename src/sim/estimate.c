@@ -18,8 +18,7 @@
 #define REHEARSED_LEAST 0.05 /* of the run: a shorter rehearsal tells no more than the trial steps */
 #define WHY_LENGTH      512
 
-/* The number of liquid particles, over all ranks. */
-static PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
+PetscErrorCode CountLiquid(Sim sim, PetscInt *n)
 {
   ParticleArrays arrays;
 
@@ -98,8 +97,8 @@ static PetscReal StepTime(const StepTimes *t, PetscReal n)
   return time + PetscMin(PetscMax(slope, 0), STEEPEST * time / mean) * (n - mean);
 }
 
-/* The mean number of liquid particles in the run, if all that emitters bring stays. now: their number at the start. */
-static PetscReal MeanParticles(Sim sim, PetscInt now)
+/* The number of liquid particles at the end of the run, if all that emitters bring stays. now: that at the start. */
+static PetscReal LastParticles(Sim sim, PetscInt now)
 {
   const PetscReal end     = sim->time_end < PETSC_MAX_REAL ? sim->time_end : sim->state.time;
   PetscReal       brought = 0;
@@ -112,7 +111,7 @@ static PetscReal MeanParticles(Sim sim, PetscInt now)
     (void)StepperFilling(sim->stepper, b, &n);
     brought += (PetscReal)n * (BodyFillings(body, end) - BodyFillings(body, sim->state.time));
   }
-  return now + 0.5 * brought;
+  return now + brought;
 }
 
 /* A span of simulated time (s), and the steps of the run in it. */
@@ -126,6 +125,7 @@ typedef struct {
    one ahead of it. */
 typedef struct {
   PetscReal time;               /* simulated, s */
+  PetscReal mean, end;          /* integral of the run's particles over this time, s; their number at its end */
   PetscReal steps, n;           /* steady steps that the run itself needs for this time; sum of its particles in them */
   PetscReal steady, taken;      /* steady steps that the rehearsal needs for it, and steps that it took */
   PetscReal cost;               /* wall time over the run's particles, s, summed over all steps */
@@ -163,6 +163,8 @@ static void AddStep(Sim coarse, PetscReal coarser, PetscReal dt, PetscReal n, Pe
   r->time += dt;
   r->steps += steps;
   r->n += steps * n;
+  r->mean += dt * n;
+  r->end = n;
   r->steady += dt / StepperSteadyStep(coarse->stepper, 1);
   r->taken++;
   r->cost += took / n;
@@ -231,15 +233,13 @@ static PetscErrorCode RehearseScene(Sim sim, PetscReal coarser, PetscInt n, Pets
 
 /* Rehearses the run with a spacing 'coarser' times as large, as far as it gets: a scene may be impossible at this
    spacing. */
-static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscReal covered, double longest, Rehearsal *r)
+static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscInt n, PetscReal covered, double longest, Rehearsal *r)
 {
   const Domain   domain = sim->domain;
   PetscErrorCode code;
-  PetscInt       n;
 
   PetscFunctionBegin;
   *r = (Rehearsal){0};
-  PetscCall(CountLiquid(sim, &n));
   PetscCall(SetSpacing(coarser * domain->spacing, domain->graded ? coarser * domain->spacing_coarse : 0));
   UserErrorsMute(PETSC_TRUE);
   code = RehearseScene(sim, coarser, n, covered, longest, r);
@@ -255,35 +255,40 @@ static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 {
   const PetscReal step =
     times->late_steps >= MANY ? times->late / times->late_steps : StepperSteadyStep(sim->stepper, 1);
-  RunEstimate run = {.step_time = StepTime(times, MeanParticles(sim, n))};
+  RunEstimate run = {.start = n, .end = LastParticles(sim, n)};
 
-  run.steps = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / step : sim->steps_max;
+  run.mean      = 0.5 * (run.start + run.end);
+  run.step_time = StepTime(times, run.mean);
+  run.steps     = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / step : sim->steps_max;
   if (sim->steps_max) run.steps = PetscMin(run.steps, (PetscReal)sim->steps_max);
   return run;
 }
 
-PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run)
+PetscErrorCode EstimateRun(Sim sim, PetscInt n, const StepTimes *times, RunEstimate *run)
 {
   const PetscReal whole = sim->time_end - sim->state.time;
   PetscReal       longest, coarser;
-  PetscInt        n;
+  PetscInt        now;
   Rehearsal       r;
 
   PetscFunctionBegin;
-  PetscCall(CountLiquid(sim, &n));
+  PetscCall(CountLiquid(sim, &now));
   *run = Extrapolate(sim, times, n);
   if (times->covered >= whole && times->steps > 0)
-    *run = (RunEstimate){.steps = times->steps + 1, .step_time = times->time / times->steps, .rehearsed = 1};
+    *run = (RunEstimate){times->steps + 1, times->time / times->steps, 1, 0, n, times->n / times->steps, now};
   if (times->covered >= whole || sim->restart[0] || sim->steps_max || !times->steps) PetscFunctionReturn(PETSC_SUCCESS);
   longest = PetscMin(REHEARSAL_LONG, PetscMax(REHEARSAL_TIME, REHEARSAL_SHARE * run->steps * run->step_time));
   coarser = PetscPowReal(2 * run->steps * run->step_time / longest, 1. / (sim->domain->dim + 1));
   coarser = PetscMin(COARSER_MOST, PetscMax(COARSER_LEAST, coarser));
-  PetscCall(Rehearse(sim, coarser, times->covered, (double)longest, &r));
+  PetscCall(Rehearse(sim, coarser, n, times->covered, (double)longest, &r));
   run->rehearsed = r.time / whole;
   if (run->rehearsed < REHEARSED_LEAST) PetscFunctionReturn(PETSC_SUCCESS);
   run->coarser = coarser;
   run->steps   = (r.steps + (whole - r.time) * (r.last.steps + r.before.steps) / (r.last.time + r.before.time)) *
                PetscMax(1, r.taken / r.steady);
+  /* what the rehearsal has not reached goes on as it did */
+  run->end       = PetscMax(0, r.end + (r.end - n) * (whole - r.time) / r.time);
+  run->mean      = (r.mean + 0.5 * (r.end + run->end) * (whole - r.time)) / whole;
   run->step_time = StepTime(times, r.n / r.steps) * (r.cost / r.taken) / (r.early / r.early_steps);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

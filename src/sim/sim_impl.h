@@ -120,16 +120,19 @@ typedef struct {
 } StepTimes;
 /* What a run takes: its steps (1), and the wall time of a step (s). rehearsed: the rehearsed share of the run's time
    (1), with a spacing 'coarser' times as large (1). coarser = 0: the estimate is from the trial steps alone, which were
-   the whole run if 'rehearsed' is 1. */
+   the whole run if 'rehearsed' is 1. start, mean, end: liquid particles at the start, in the mean over its time, and at
+   the end. */
 typedef struct {
-  PetscReal steps, step_time, rehearsed, coarser;
+  PetscReal steps, step_time, rehearsed, coarser, start, mean, end;
 } RunEstimate;
 /* TrySteps - computes and times some steps, emitters included; the particles move. Collective. */
 PetscErrorCode TrySteps(Sim sim, StepTimes *times);
-/* EstimateRun - estimates what the run takes, from the trial steps and from a rehearsal with a coarser spacing, whose
-   bounds of the time step give the run's. A restart, and a run of a given number of steps, have no rehearsal.
-   Collective. */
-PetscErrorCode EstimateRun(Sim sim, const StepTimes *times, RunEstimate *run);
+/* CountLiquid - the number of liquid particles, over all ranks. Collective.
+   EstimateRun - estimates what the run, of n liquid particles at its start, takes, from the trial steps and from a
+   rehearsal with a coarser spacing, whose bounds of the time step give the run's. A restart, and a run of a given
+   number of steps, have no rehearsal. Collective. */
+PetscErrorCode CountLiquid(Sim sim, PetscInt *n);
+PetscErrorCode EstimateRun(Sim sim, PetscInt n, const StepTimes *times, RunEstimate *run);
 /* The models that hold for a scene. 'why' says why one does not. */
 #define MODEL_WHY 160
 enum { MODEL_TENSION, MODEL_VISCOSITY, MODEL_GRAVITY, MODEL_FORCES };

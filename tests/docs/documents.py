@@ -313,6 +313,21 @@ def dry_runs():
         taken = runs.series(runs.run(scene, "dry_" + name))["step"][-1]
         runs.check(said and 0.7 < int(said.group(1)) / taken < 1.3, f"steps_of_a_dry_run_{name}",
                    f"{said}, taken {taken}")
+    # what emitters bring and what leaves by outlets counts: particles at the end, bytes of a checkpoint
+    for name, scene in (("emitter", "-box_y wall -bodies jet -jet_type emitter -jet_upper 0.2,0.4 -jet_velocity 0.5,0 "
+                         "-jet_viscosity 0.02 -time_end 2"),
+                        ("outlet", "-box_xmin wall -box_ymin wall -box_xmax_level 0.1 -gravity 0,-9.81 -bodies water "
+                         "-water_upper 1,0.35 -time_end 0.8")):
+        scene = f"-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.4 {scene}"
+        dry = runs.start(f"{scene} -dry_run -output_dir {runs.scratch('dry_' + name)}")
+        said = re.search(r"at the end: about (\d+) particles", dry.stdout)
+        each = re.search(r"two checkpoints of ([0-9.e-]+) MB", dry.stdout)
+        folder = runs.run(scene, "dry_" + name)
+        at_end = runs.series(folder)["particles"][-1]
+        size = os.path.getsize(runs.numbered(folder, "checkpoint")[-1]) / 1e6
+        if runs.check(said and each, f"dry_run_of_{name}", dry.stdout + dry.stderr):
+            runs.check(0.9 < int(said.group(1)) / at_end < 1.1, f"particles_of_a_dry_run_{name}", f"{said}, {at_end}")
+            runs.check(0.8 < float(each.group(1)) / size < 1.2, f"bytes_of_a_dry_run_{name}", f"{each}, {size}")
     # a scene that cannot be as coarse as a rehearsal is estimated from its trial steps, without a word of that
     dry = runs.start("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.25e-3 -bodies drop,film,tiny "
                      "-dry_run -tiny_shape sphere -tiny_center 0,0.019 -tiny_radius 0.25e-3 "
