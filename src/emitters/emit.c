@@ -185,6 +185,21 @@ static PetscErrorCode SetVelocities(Cloud cloud, PetscReal time)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* At the start of a run that begins later than an emitter, what came before the start is past, but for what is still in
+   the emitter. */
+static void Forget(Emission *emission, Body body, PetscReal time)
+{
+  for (PetscInt p = 0; p < emission->n; p++) {
+    const PetscInt count = EmissionCount(emission, body, time, p);
+    PetscReal      x[DIM], shift[DIM];
+
+    if (count == 0) continue;
+    EmissionShift(body, EmissionFilling(emission, count - 1, p), time, shift);
+    for (PetscInt d = 0; d < DIM; d++) x[d] = emission->x[DIM * p + d] + shift[d];
+    emission->done[p] = count - (BodyHolds(body, x, 0) ? 1 : 0);
+  }
+}
+
 PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, PetscReal time, PetscBool resumed,
                             PetscInt *emitted)
 {
@@ -196,7 +211,10 @@ PetscErrorCode EmissionsAdd(Emissions *emissions, Cloud cloud, Packing packing, 
   if (!SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (!BodyComesLater(SceneBody(scene, b))) continue;
-    if (!emissions->of[b].x) PetscCall(FindPoints(cloud, packing, b, &emissions->of[b]));
+    if (!emissions->of[b].x) {
+      PetscCall(FindPoints(cloud, packing, b, &emissions->of[b]));
+      Forget(&emissions->of[b], SceneBody(scene, b), time);
+    }
     most = PetscMax(most, emissions->of[b].n);
     emitters++;
   }

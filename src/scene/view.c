@@ -82,7 +82,9 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
     BodyVelocity(body, x, v);
     SceneAcceleration(scene, x, g);
     scales->speed = PetscMax(scales->speed, Norm(v));
-    for (PetscInt d = 0; d < DIM; d++) scales->acceleration[d] = PetscMax(scales->acceleration[d], PetscAbsReal(g[d]));
+    for (PetscInt d = 0; d < DIM; d++) /* shaking counts with its amplitude, whatever its phase now */
+      scales->acceleration[d] =
+        PetscMax(scales->acceleration[d], PetscAbsReal(g[d] - scene->shake[d]) + PetscAbsReal(scene->amplitude[d]));
   }
 }
 
