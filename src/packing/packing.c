@@ -99,9 +99,8 @@ static PetscErrorCode CheckEachBody(Cloud cloud)
 
     PetscCheckUser(count[k] > 0 || (k < bodies && BodyComesLater(body)), cloud->comm,
                    "no particle of -spacing %g m fits into the %s %s: it is too small for the spacing, covered by a "
-                   "solid%s",
-                   (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body),
-                   BodyMoves(body) ? ", or outside of the box where its motion has it at the start" : "");
+                   "solid, or outside of the box at the start",
+                   (double)cloud->domain->spacing, k < bodies ? "body" : "solid", BodyName(body));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

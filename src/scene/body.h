@@ -117,8 +117,8 @@ struct _p_Body {
   struct _p_Free     *free;                /* of a free body; else NULL */
 };
 
-/* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. BodyForth - moves the point of
-   the body that was at x (m) at the time 0 to where it is. Not collective. */
+/* ShapeDistance - signed distance (m) of x (m) to the shape less its holes, at the time 0. BodyForth - moves the point
+   of the body that was at x (m) at the time 0 to where it is. Not collective. */
 PetscReal ShapeDistance(Body body, const PetscReal x[DIM]);
 void      BodyForth(Body body, PetscReal x[DIM]);
 /* BodyFindBall - finds the extent of a solid about its middle. BodyBeyond - whether x (m) is farther than reach (m)

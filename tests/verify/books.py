@@ -35,8 +35,8 @@ def emitters():
     # where the liquid is held in an implicit step.
     whole, rest = books(CHANNEL, "channel")
     runs.check_below(abs(rest).max(), 2e-3, "books of a channel behind an emitter")
-    for name, more, ranks in (("three ranks", "", 3), ("half", "-box_upper 0.8,0.2 -jet_upper 0.2,0.2 -box_ymax symmetry "
-                                                       "-gauge_multiplicity 2", 1)):
+    half = "-box_upper 0.8,0.2 -jet_upper 0.2,0.2 -box_ymax symmetry -gauge_multiplicity 2"
+    for name, more, ranks in (("three ranks", "", 3), ("half", half, 1)):
         part = books(CHANNEL + more, name.replace(" ", "_"), ranks)[0]
         runs.check_below(abs(part["outside_work"][1:] / whole["outside_work"][1:] - 1).max(), 1e-6,
                          f"work of an emitter, {name}")

@@ -167,8 +167,8 @@ for options, word in (("-gauge_pockets", "needs -gas"), ("-gas -gas_exponent -1"
     runs.check(process.returncode != 0 and word in process.stdout + process.stderr, f"refuses: {options}",
                (process.stdout + process.stderr)[-300:])
 process = runs.start("""-dimension 2 -spacing 0.04 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_y wall -gas
- -gas_exponent 0 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.6 -jet_upper 0.6,0.8 -jet_velocity 0,-1 -pool_upper 1,0.3
- -gravity 0,-9.81 -time_end 0.5 -output_dir """ + runs.scratch("filled"))
+ -gas_exponent 0 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.6 -jet_upper 0.6,0.8 -jet_velocity 0,-1
+ -pool_upper 1,0.3 -gravity 0,-9.81 -time_end 0.5 -output_dir """ + runs.scratch("filled"))
 runs.check(process.returncode > 0 and "should keep" in process.stderr, "constant_volume_that_cannot_be_kept",
            process.stderr[-300:])
 MIRRORED = """-dimension 2 -spacing 0.02 -box_lower -0.5,-0.5 -box_upper 0.5,0.5 -box_x wall -box_y wall -bodies water
