@@ -51,7 +51,7 @@ def gas():
      -gravity 0,-9.81 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.4 -jet_upper 0.6,0.6 -jet_velocity 0,-1
      -pool_upper 1,0.3 -series_interval 0.02 -time_end 0.5""", "gas")
     volume = s[next(n for n in s.dtype.names if n.startswith("gas_volume"))]
-    amount, end = volume.max(), volume[-1]
+    amount, end = np.nanmax(volume), volume[-1]
     taken = 101325 * (amount / 0.4 * ((amount / end)**0.4 - 1) - (amount - end))
     with open(runs.scratch("gas/log.txt"), encoding="utf-8") as log:
         given = float(log.read().split(", enclosed gas")[1].split()[0])
