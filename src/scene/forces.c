@@ -221,6 +221,22 @@ void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
   for (PetscInt k = 0; Forces[k]; k++) Forces[k]->add(scene->domain, scene->force[k], x, g);
 }
 
+void ForcesMost(Scene scene, const PetscReal x[DIM], PetscReal most[DIM])
+{
+  PetscReal amplitude[DIM] = {0, 0, 0}, g[DIM];
+
+  for (PetscInt d = 0; d < DIM; d++) most[d] = 0;
+  for (PetscInt k = 0; Forces[k]; k++) {
+    if (Forces[k]->potential || !Forces[k]->direction) {
+      Forces[k]->add(scene->domain, scene->force[k], x, most);
+      continue;
+    }
+    Forces[k]->direction(scene->force[k], g);
+    for (PetscInt d = 0; d < DIM; d++) amplitude[d] += PetscAbsReal(g[d]);
+  }
+  for (PetscInt d = 0; d < DIM; d++) most[d] = PetscAbsReal(most[d]) + amplitude[d];
+}
+
 PetscBool SceneDrive(Scene scene, const PetscReal x[DIM], PetscReal drive[DIM])
 {
   for (PetscInt d = 0; d < DIM; d++) drive[d] = 0;

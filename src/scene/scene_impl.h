@@ -90,6 +90,9 @@ PetscErrorCode FrameView(Scene scene, PetscViewer viewer); /* prints the frame i
 PetscBool FrameKeeps(Scene scene, const PetscReal g[DIM]);
 void      ForcesJson(Scene scene, Json *json);
 PetscBool ForcesMoments(Scene scene, Moments *moments);
+/* ForcesMost - the size of the acceleration at x (m) in each direction, of shaking its amplitude (m/s2). Not
+   collective. */
+void ForcesMost(Scene scene, const PetscReal x[DIM], PetscReal most[DIM]);
 /* RegionSetFromOptions - reads the shape of a region of -fine, or of a hole, and what else
    a hole has. Collective. */
 PetscErrorCode RegionSetFromOptions(Body body, PetscBool hole);

@@ -80,11 +80,9 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
 
     for (PetscInt d = 0; d < DIM; d++) x[d] = lower[d] + (upper[d] - lower[d]) * at[d] / (BODY_SAMPLES - 1);
     BodyVelocity(body, x, v);
-    SceneAcceleration(scene, x, g);
+    ForcesMost(scene, x, g);
     scales->speed = PetscMax(scales->speed, Norm(v));
-    for (PetscInt d = 0; d < DIM; d++) /* shaking counts with its amplitude, whatever its phase now */
-      scales->acceleration[d] =
-        PetscMax(scales->acceleration[d], PetscAbsReal(g[d] - scene->shake[d]) + PetscAbsReal(scene->amplitude[d]));
+    for (PetscInt d = 0; d < DIM; d++) scales->acceleration[d] = PetscMax(scales->acceleration[d], g[d]);
   }
 }
 
