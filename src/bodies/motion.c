@@ -306,6 +306,7 @@ static void MotionMoments(Body body, Moments *moments)
     PetscInt  least = 0, most = 0, fast = 0;
     PetscReal fastest = 0;
 
+    MomentTable(moments, m->table, m->rows, TABLE_ROW, d);
     for (PetscInt k = 0; k < m->rows; k++) {
       const PetscReal *row = m->table + TABLE_ROW * k, *next = row + TABLE_ROW,
                       rate = k < m->rows - 1 ? PetscAbsReal(next[d] - row[d]) / (next[0] - row[0]) : 0;

@@ -172,6 +172,7 @@ static void FillingMoments(Body body, Moments *moments)
   MomentAdd(moments, e->start - e->interval);
   if (e->count > 0) MomentAdd(moments, e->start + (0.5 + (PetscReal)e->count) * e->interval);
   for (PetscInt k = 0; k < e->rows; k++) MomentAdd(moments, e->row[k][0]);
+  MomentTable(moments, &e->row[0][0], e->rows, 2, 1);
   MomentPeriod(moments, e->modulation > 0 ? e->frequency : 0, e->start);
 }
 

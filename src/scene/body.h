@@ -33,12 +33,15 @@ typedef struct {
 
 /* Moments of SceneMoments. MomentAdd - adds a time (s) if it lies in the run and there is room. MomentPeriod - adds the
    eighths of the first period of an oscillation with this frequency (Hz; 0: none) from a time (s): where it and its
-   rate are extreme, and between. Not collective. */
+   rate are extreme, and between. MomentTable - the frequency of column c of a table, [rows][columns] with the time (s)
+   in column 0, if it turns often enough to have one. Not collective. */
 typedef struct {
   PetscReal  start, end; /* s, of the run */
   PetscInt   most, n;
-  PetscReal *time; /* [n] s */
+  PetscReal *time;      /* [n] s */
+  PetscReal  frequency; /* Hz, the largest of what swings; 0: nothing does */
 } Moments;
+void MomentTable(Moments *moments, const PetscReal table[], PetscInt rows, PetscInt columns, PetscInt c);
 
 static inline void MomentAdd(Moments *moments, PetscReal time)
 {
@@ -49,6 +52,7 @@ static inline void MomentAdd(Moments *moments, PetscReal time)
 
 static inline void MomentPeriod(Moments *moments, PetscReal frequency, PetscReal start)
 {
+  moments->frequency = PetscMax(moments->frequency, frequency);
   for (PetscInt k = 0; k < 8 && frequency > 0; k++)
     MomentAdd(moments, PetscMax(start, moments->start) + k / (8 * frequency));
 }

@@ -176,9 +176,11 @@ typedef struct {
 void SceneNumbers(Scene scene, PetscInt b, BodyNumbers *numbers);
 /* SceneMoments - the times (s) from start to end, at most 'most' of them, at which motions of solids, swinging gravity
    and emitters are extreme: rows of a table of motion, the eighths of a period, the first fillings; returns their
-   number. 0: nothing in the scene depends on the time. BodyMoments - those of one solid or emitter. */
-PetscInt SceneMoments(Scene scene, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
-PetscInt BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
+   number. 0: nothing in the scene depends on the time. BodyMoments - those of one solid or emitter. SceneFrequency -
+   the largest frequency (Hz) at which one of them swings; 0: none does. Not collective. */
+PetscInt  SceneMoments(Scene scene, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
+PetscInt  BodyMoments(Body body, PetscReal start, PetscReal end, PetscInt most, PetscReal moment[]);
+PetscReal SceneFrequency(Scene scene);
 /* BodyDisplace - maps a point x (m) of a lattice to a point of the body. The map conserves volumes and bends the
    lattice's layers along a curved surface. The identity for most shapes. */
 void BodyDisplace(Body body, PetscReal x[DIM]);

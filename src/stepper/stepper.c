@@ -177,6 +177,7 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPrintf(viewer, "Scheme: %s, CFL %g\n", stepper->scheme_type, (double)stepper->limits.cfl));
+  PetscCall(TimeStepView(stepper, viewer));
   if (stepper->ops->view) PetscCall(stepper->ops->view(stepper, viewer));
   PetscCall(PressureView(stepper->pressure, viewer));
   PetscCall(TensionView(stepper->tension, viewer));

@@ -148,9 +148,9 @@ PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscRe
 /* Bounds of a time step, s; PETSC_MAX_REAL: none. viscosity: of an explicit step. viscosity_flow: the same, but a
    viscosity that varies has its value at the shear rate U/h, U the scene's velocity; implicit steps are limited in
    multiples of it, or by flow, a share of the time in which a flow without inertia changes, if that is longer (0: not
-   so). */
+   so). swing: of what swings in the scene. */
 typedef struct {
-  PetscReal speed, force, viscosity, viscosity_flow, tension, flow;
+  PetscReal speed, force, viscosity, viscosity_flow, tension, flow, swing;
 } StepBounds;
 
 /* A bound of the step as a row: its name in scene.json, its cause, its size (s), and what lifts it. StepperBounds -

@@ -50,6 +50,7 @@ typedef struct {
   PetscReal force_limit;     /* over sqrt(h/|g|) */
   PetscReal capillary_limit; /* over sqrt(rho h^3/(2 pi sigma)) of Brackbill et al. 1992 */
   PetscReal capillary_most;  /* the same, of bodies so thick that their waves are slow */
+  PetscReal swing;           /* s, for the shortest period of what swings in the scene */
   PetscReal per_period;      /* steps in a period of a body's slowest surface wave, at least; 0: no such bound */
 } TimeStepLimits;
 
@@ -206,9 +207,11 @@ PetscErrorCode ViscousDestroy(Stepper stepper);
 
 /* --- time_step.c --- */
 
-/* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values. Collective. */
+/* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values; TimeStepView - warns of a
+   step that the user wants longer than what swings allows. Collective. */
 void           TimeStepDefaults(TimeStepLimits *limits);
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
+PetscErrorCode TimeStepView(Stepper stepper, PetscViewer viewer);
 /* StepSize - chooses the step (s) from the state and the options, and whether its viscosity is implicit. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 /* StepperEnergyAtHand - bound of the kinetic energy that a scene's liquid can have, J/kg: from speeds of bodies and

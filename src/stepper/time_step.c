@@ -8,6 +8,7 @@
 #define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
 #define FLOW_SHARE    0.05 /* of the time in which such a flow changes; no reference */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
+#define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
 #define MOVED         0.8  /* of -displacement_max, that a particle may move in a step; no reference */
 
@@ -17,7 +18,8 @@ void TimeStepDefaults(TimeStepLimits *limits)
                              .force_limit     = FORCE_LIMIT,
                              .capillary_limit = CAPILLARY,
                              .capillary_most  = CAPILLARY,
-                             .per_period      = PER_PERIOD};
+                             .per_period      = PER_PERIOD,
+                             .swing           = PETSC_MAX_REAL};
 }
 
 static const OptionRow options[] = {
@@ -44,6 +46,23 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper)
   PetscCheckUser(limits->max == 0 || limits->min <= limits->max, comm,
                  "-time_step_min (%g s) is larger than -time_step_max (%g s)", (double)limits->min,
                  (double)limits->max);
+  if (SceneFrequency(stepper->cloud->scene) > 0)
+    limits->swing = 1 / (SWING_STEPS * SceneFrequency(stepper->cloud->scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode TimeStepView(Stepper stepper, PetscViewer viewer)
+{
+  const TimeStepLimits *limits = &stepper->limits;
+  const PetscReal       least  = PetscMax(limits->fixed, limits->min);
+
+  PetscFunctionBegin;
+  if (least > limits->swing)
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "warning: %s %g s has %.3g steps in the shortest period of what swings in the "
+                                     "scene; at least %d resolve it\n",
+                                     limits->fixed > 0 ? "-time_step" : "-time_step_min", (double)least,
+                                     (double)(SWING_STEPS * limits->swing / least), SWING_STEPS));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,7 +210,12 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   const PetscReal       h      = KernelSmoothingLength(cloud->kernel),
                   fastest      = PetscMax(extreme[FASTEST], SceneSolidSpeed(cloud->scene));
   const PetscReal most         = MOVED * stepper->trial.displacement * cloud->domain->spacing; /* else it rolls back */
-  StepBounds      bounds       = {PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_MAX_REAL, 0};
+  StepBounds      bounds       = {.speed          = PETSC_MAX_REAL,
+                                  .force          = PETSC_MAX_REAL,
+                                  .viscosity      = PETSC_MAX_REAL,
+                                  .viscosity_flow = PETSC_MAX_REAL,
+                                  .tension        = PETSC_MAX_REAL,
+                                  .swing          = limits->swing};
 
   if (fastest > 0) bounds.speed = PetscMin(limits->cfl * h, most) / fastest;
   if (extreme[FASTEST_SPRAY] > 0) bounds.speed = PetscMin(bounds.speed, most / extreme[FASTEST_SPRAY]);
@@ -226,6 +250,14 @@ static PetscReal EdgesBound(Stepper stepper, PetscReal scale)
   return step;
 }
 
+/* The step that all bounds but those of viscosity allow, with a spacing 'scale' times as large. */
+static PetscReal LeastBound(Stepper stepper, const StepBounds *bounds, PetscReal scale)
+{
+  const PetscReal own = PetscMin(PetscMin(bounds->speed, bounds->force), PetscMin(bounds->tension, bounds->swing));
+
+  return PetscMin(own, EdgesBound(stepper, scale));
+}
+
 /* Whether implicit viscosity is faster for a step that all other bounds allow. */
 static PetscBool ImplicitPays(const Viscous *viscous, const StepBounds *bounds, PetscReal step)
 {
@@ -254,7 +286,7 @@ static PetscReal ChooseStep(Stepper stepper, const StepState *state)
   PetscReal             step  = fixed;
 
   if (fixed == 0) {
-    step = PetscMin(PetscMin(bounds->speed, bounds->force), PetscMin(bounds->tension, EdgesBound(stepper, 1)));
+    step = LeastBound(stepper, bounds, 1);
     /* In the first step the scene's velocity counts as the particles' speed, which will soon reach it. The same in a
        relaxation, which must use the steps of the run: the noise of the pressure depends on them. */
     if ((state->previous_time_step == 0 || stepper->relaxing) && velocity > 0)
@@ -298,6 +330,7 @@ static StepBounds ScaleBounds(Stepper stepper, PetscReal scale)
                       .viscosity      = bounds->viscosity * h2,
                       .viscosity_flow = bounds->viscosity_flow * h2,
                       .flow           = bounds->flow,
+                      .swing          = bounds->swing,
                       .tension = bounds->tension < PETSC_MAX_REAL ? CapillaryStep(stepper, scale) : PETSC_MAX_REAL};
 }
 
@@ -305,7 +338,7 @@ PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
 {
   const TimeStepLimits *limits = &stepper->limits;
   const StepBounds      bounds = ScaleBounds(stepper, scale);
-  PetscReal step = PetscMin(PetscMin(bounds.speed, bounds.force), PetscMin(bounds.tension, EdgesBound(stepper, scale)));
+  PetscReal             step   = LeastBound(stepper, &bounds, scale);
 
   if (limits->fixed > 0) return limits->fixed;
   step = limits->max > 0 ? PetscMin(step, limits->max) : step;
@@ -323,6 +356,7 @@ static PetscInt ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
           {"speed", "speed", b->speed, "a larger -time_cfl, to 0.8 of -displacement_max, or -spacing"},
           {"force", "body force", b->force, "a larger -spacing"},
           {"surface_tension", "surface tension", b->tension, "a larger -spacing, or fewer -time_steps_per_period"},
+          {"swing", "what swings", b->swing, "a lower frequency"},
           {"viscosity", "explicit viscosity", v->implicit ? none : b->viscosity, "-viscosity_solver auto"},
           {"implicit_viscosity", "implicit viscosity", v->implicit ? BoundByViscosity(v, b, none) : none,
            "a larger -viscosity_step_ratio"},

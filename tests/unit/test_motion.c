@@ -489,6 +489,53 @@ static PetscErrorCode TestTorque(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The largest frequency of what swings in a scene. A table that turns often enough has one, whatever its noise; a pulse
+   has none. */
+static PetscErrorCode TestFrequency(void)
+{
+  static const struct {
+    const char *name, *options;
+    PetscReal   due; /* Hz */
+  } cases[] = {{"nothing", "-s_velocity 1,0", 0},
+               {"gravity", "-s_velocity 1,0 -gravity_amplitude 0,1 -gravity_frequency 7", 7},
+               {"oscillation", "-s_oscillation_amplitude 0,0.01 -s_oscillation_frequency 5", 5},
+               {"rotation", "-s_rotation_rate 3.141592653589793", 0.5},
+               {"emitter", "-a_type emitter -a_velocity 0.1,0 -a_modulation 0.1 -a_modulation_frequency 20", 20},
+               {"table", "-s_motion_file " TABLE, 2},
+               {"speeds", "-a_type emitter -a_velocity 0.1,0 -a_velocity_file " TABLE, 2},
+               {"pulse", "-s_motion_file " TABLE, 0}};
+  char text[4096], name[64];
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(cases); k++) {
+    const PetscBool speeds = (PetscBool)(cases[k].options[3] == 't'), pulse = (PetscBool)(cases[k].name[0] == 'p');
+    Domain          domain;
+    Scene           scene;
+
+    text[0] = 0;
+    for (PetscInt row = 0; row <= 100; row++) { /* 2 Hz from 0.6 s on, and noise */
+      const PetscReal t = 0.02 * (PetscReal)row, noise = row % 2 ? 1e-5 : 0,
+                      swing = pulse ? (row >= 40 && row < 50 ? 0.01 : 0)
+                                    : (t > 0.6 ? 0.01 * PetscSinReal(4 * PETSC_PI * (t - 0.6)) : 0);
+      const size_t length   = strlen(text);
+
+      PetscCall(PetscSNPrintf(text + length, sizeof(text) - length, speeds ? "%g,%g\n" : "%g,%g,0\n", (double)t,
+                              (double)(swing + noise + 0.02)));
+    }
+    PetscCall(WriteTable(text));
+    PetscCall(PetscSNPrintf(text, sizeof(text),
+                            SQUARE
+                            "-bodies a -a_lower 0.5,0.5 -a_upper 0.8,0.8 -solids s -s_lower 0,0 -s_upper 0.3,0.1 "
+                            "%s",
+                            cases[k].options));
+    PetscCall(Read(text, &domain, &scene));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "frequency_of_%s", cases[k].name));
+    CHECK_CLOSE(SceneFrequency(scene), cases[k].due, 0.05 * cases[k].due, name);
+    PetscCall(Free(&domain, &scene));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -498,6 +545,7 @@ int main(int argc, char **argv)
   PetscCall(TestTorque());
   PetscCall(TestMotion());
   PetscCall(TestFree());
+  PetscCall(TestFrequency());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

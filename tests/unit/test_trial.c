@@ -92,6 +92,7 @@ static PetscErrorCode TestStep(void)
     {"force", QUIET "-gravity 0,-1000", 1, 9, PETSC_FALSE, 0.25 * PetscSqrtReal(H / 1000), PETSC_FALSE},
     {"force, not centered", QUIET "-gravity 0,-1000 -time_centered 0", 1, 9, PETSC_FALSE,
      0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
+    {"swing", QUIET "-gravity_amplitude 0,1e-3 -gravity_frequency 50", 1, 9, PETSC_FALSE, 1 / (16 * 50.), PETSC_FALSE},
     {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, 0.05 * 0.1, PETSC_TRUE},
     {"viscosity without inertia, explicit limit", BLOCK "-a_viscosity 80000 -viscosity_step_ratio 500", 1, 9,
      PETSC_FALSE, 0.2 * H / 5, PETSC_TRUE},
