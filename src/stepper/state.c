@@ -28,7 +28,6 @@ const NumberRow StateRows[] = {
   NUMBER(start_surface, NUMBER_REAL),
   NUMBER(kinetic_energy, NUMBER_REAL),
   NUMBER(kinetic_most, NUMBER_SPAN),
-  NUMBER(flow_time, NUMBER_SPAN),
   NUMBER(surface_energy, NUMBER_REAL),
   NUMBER(viscous_work, NUMBER_REAL),
   NUMBER(tension_work, NUMBER_REAL),

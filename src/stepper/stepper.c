@@ -335,9 +335,6 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   state->drive_work += sum[SUM_DRIVE_WORK];
   state->tension_work += tension;
   state->tension_swing += PetscAbsReal(tension);
-  state->flow_time = dt * PetscMax(state->kinetic_energy, sum[SUM_KINETIC]) /
-                     PetscMax(PetscAbsReal(sum[SUM_KINETIC] - state->kinetic_energy), PETSC_SMALL * sum[SUM_KINETIC]);
-  if (!(state->flow_time < PETSC_MAX_REAL)) state->flow_time = 0; /* liquid that stays at rest */
   RecordExchange(sum, tension, state);
 }
 

@@ -29,7 +29,6 @@ typedef struct {
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
   PetscReal kinetic_most;       /* the largest of these so far, J */
   PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
-  PetscReal flow_time;          /* in which the last step changes its kinetic energy, s; 0: not known */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
   PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
@@ -147,8 +146,8 @@ PetscBool      StepperSettles(Stepper stepper);
 PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal step);
 /* Bounds of a time step, s; PETSC_MAX_REAL: none. viscosity: of an explicit step. viscosity_flow: the same, but a
    viscosity that varies has its value at the shear rate U/h, U the scene's velocity; implicit steps are limited in
-   multiples of it, or by flow, a share of the time in which a flow without inertia changes, if that is longer (0: not
-   so). swing: of what swings in the scene. */
+   multiples of it, or by flow, the step of a flow without inertia, if that is longer (0: inertia counts). swing: of
+   what swings in the scene. */
 typedef struct {
   PetscReal speed, force, viscosity, viscosity_flow, tension, flow, swing;
 } StepBounds;

@@ -6,7 +6,9 @@
 #define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
 #define FORCE_LIMIT   0.03 /* the same, over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
 #define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
-#define FLOW_SHARE    0.05 /* of the time in which such a flow changes; no reference */
+#define PULL          5    /* of sigma/mu; density errors are then corrected in h mu/sigma, as surfaces move by h */
+#define CREEPING      0.03 /* of mu h/sigma, in which tension moves a very viscous surface by h; 0.11 is too long */
+#define LAG           6e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
@@ -140,7 +142,10 @@ static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
       const PetscReal period = 2 * PETSC_PI * PetscSqrtReal(m->density * PetscPowRealInt(radius, 3) / (8 * m->tension));
       const PetscReal wanted = limits->per_period > 0 ? period / limits->per_period : 0;
 
-      step = PetscMin(step, PetscMax(limits->capillary_limit * unit, PetscMin(limits->capillary_most * unit, wanted)));
+      step =
+        PetscMin(step,
+                 PetscMax(CREEPING * m->viscosity * h / m->tension,
+                          PetscMax(limits->capillary_limit * unit, PetscMin(limits->capillary_most * unit, wanted))));
     }
   }
   if (sigma > 0)
@@ -150,15 +155,27 @@ static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
 }
 
 /* Largest speed (bodies and walls, m/s), acceleration of each direction (m/s2) and fall through the body (m2/s2), and
-   surface tension over density and smoothing length (m2/s2) of the scene. */
+   surface tension over density and smoothing length (m2/s2) of the scene; pull: the largest squared speed (m2/s2) that
+   tension gives, which viscosity holds at PULL sigma/mu. */
 typedef struct {
-  PetscReal speed, acceleration[DIM], fall, capillary;
+  PetscReal speed, acceleration[DIM], fall, capillary, pull;
 } Scales;
+
+/* Counts a surface of this tension (N/m), with the density times h (kg/m2) and viscosity (Pa s) of its liquid. */
+static void Pull(Scales *scales, PetscReal tension, PetscReal mass, PetscReal viscosity)
+{
+  const PetscReal capillary = tension / mass;
+
+  scales->capillary = PetscMax(scales->capillary, capillary);
+  scales->pull =
+    PetscMax(scales->pull, viscosity > 0 ? PetscMin(capillary, PetscSqr(PULL * tension / viscosity)) : capillary);
+}
 
 static void FindScales(Stepper stepper, Scales *scales)
 {
-  Cloud           cloud = stepper->cloud;
-  const PetscReal h     = KernelSmoothingLength(cloud->kernel);
+  Cloud           cloud    = stepper->cloud;
+  const PetscReal h        = KernelSmoothingLength(cloud->kernel);
+  PetscReal       thinnest = PETSC_MAX_REAL;
 
   *scales = (Scales){0};
   for (PetscInt b = 0; b < SceneCount(cloud->scene); b++) {
@@ -171,39 +188,45 @@ static void FindScales(Stepper stepper, Scales *scales)
       scales->acceleration[d] = PetscMax(scales->acceleration[d], body.acceleration[d]);
       scales->fall            = PetscMax(scales->fall, body.acceleration[d] * body.extent[d]);
     }
-    if (TensionReach(stepper->tension) > 0)
-      scales->capillary = PetscMax(scales->capillary, m->tension / (m->density * h));
+    if (TensionReach(stepper->tension) > 0) Pull(scales, m->tension, m->density * h, m->viscosity);
+    thinnest = PetscMin(thinnest, m->viscosity);
   }
   if (TensionReach(stepper->tension) > 0 && SceneInterfaceTension(cloud->scene) > 0)
-    scales->capillary =
-      PetscMax(scales->capillary, SceneInterfaceTension(cloud->scene) / (SceneInterfaceDensity(cloud->scene) * h));
+    Pull(scales, SceneInterfaceTension(cloud->scene), SceneInterfaceDensity(cloud->scene) * h, thinnest);
   scales->speed = PetscMax(scales->speed, SceneSolidSpeed(cloud->scene));
   scales->speed = PetscMax(scales->speed, DomainWallSpeed(cloud->domain));
 }
 
-/* Whether the inertia of a liquid counts: its Reynolds number U d rho/mu is not small, d the least thickness of a body,
-   U the largest speed; or waves of a length 2 d, of w^2 = g k + sigma k^3/rho, are not much slower than their decay, 2
-   nu k^2 (Lamb 1932, sections 267 and 349). */
-static PetscBool InertiaCounts(Stepper stepper, PetscReal fastest)
+/* The step (s) of implicit viscosity in a flow without inertia; 0: inertia counts. It does if the Reynolds number
+   U d rho/mu of a liquid is not small, d the least thickness of its body, U the largest speed; or if waves of a length
+   2 d, of w^2 = g k + sigma k^3/rho, are not much slower than their decay, 2 nu k^2 (Lamb 1932, sections 267 and 349).
+
+   The projection answers a flow by dt grad p of what viscosity leaves of it, so in a step longer than d^2/nu the
+   pressure gets the share d^2/(nu dt) of what it lacks: it lags behind by about dt^2 nu/d^2, which must be short beside
+   the time d/U in which the flow changes. */
+static PetscReal CreepingStep(Stepper stepper, PetscReal fastest)
 {
   Scene           scene = stepper->cloud->scene;
   const PetscReal h     = KernelSmoothingLength(stepper->cloud->kernel);
+  PetscReal       step  = PETSC_MAX_REAL;
   Scales          scales;
 
   FindScales(stepper, &scales);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const Body      body = SceneBody(scene, b);
     const PetscReal d = SceneBodyThickness(scene, b), U = PetscMax(fastest, scales.speed), k = PETSC_PI / d,
-                    nu    = BodyViscosity(body, stepper->reference_velocity / h) / BodyMaterial(body)->density,
-                    waves = k * Norm(scales.acceleration) + k * k * k * h * scales.capillary;
+                    nu     = BodyViscosity(body, stepper->reference_velocity / h) / BodyMaterial(body)->density,
+                    waves  = k * Norm(scales.acceleration) + k * k * k * h * scales.capillary,
+                    change = PetscSqrtReal(U * U + scales.pull) * nu;
 
-    if (U * d > INERTIA * nu || PetscSqrtReal(waves) > INERTIA * 2 * nu * k * k) return PETSC_TRUE;
+    if (U * d > INERTIA * nu || PetscSqrtReal(waves) > INERTIA * 2 * nu * k * k) return 0;
+    if (change > 0) step = PetscMin(step, PetscSqrtReal(LAG * d * d * d / change));
   }
-  return PETSC_FALSE;
+  return step;
 }
 
 /* The bound of each cause. */
-static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT], PetscReal flow_time)
+static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_COUNT], PetscBool start)
 {
   Cloud                 cloud  = stepper->cloud;
   const TimeStepLimits *limits = &stepper->limits;
@@ -223,7 +246,7 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
     bounds.speed = PetscMin(bounds.speed, stepper->ops->bound(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])));
   if (extreme[STRONGEST] > 0) bounds.force = limits->force_limit * PetscSqrtReal(h / extreme[STRONGEST]);
   BoundByViscosities(stepper, extreme[THICKEST], &bounds);
-  bounds.flow = InertiaCounts(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY])) ? 0 : FLOW_SHARE * flow_time;
+  bounds.flow = start ? 0 : CreepingStep(stepper, PetscMax(fastest, extreme[FASTEST_SPRAY]));
   if (TensionReach(stepper->tension) > 0 && SceneHasTension(cloud->scene)) bounds.tension = CapillaryStep(stepper, 1);
   return bounds;
 }
@@ -306,7 +329,7 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
 
   PetscFunctionBegin;
   PetscCall(FindExtremes(stepper->cloud, (PetscBool)(state->step == 0), extreme));
-  stepper->bounds  = FindBounds(stepper, extreme, state->flow_time);
+  stepper->bounds  = FindBounds(stepper, extreme, (PetscBool)(state->step == 0));
   stepper->fastest = PetscMax(extreme[FASTEST], extreme[FASTEST_SPRAY]);
   step             = ChooseStep(stepper, state);
   /* Avoid a tiny last step, whose pressure would be noise over dt. The last step includes what round-off leaves in the
@@ -410,7 +433,7 @@ PetscReal StepperReferenceVelocity(Stepper stepper)
   FindScales(stepper, &scales);
   for (const Edge *const *edge = stepper->edges; *edge; edge++)
     if ((*edge)->speed) given = PetscMax(given, (*edge)->speed(stepper));
-  return PetscSqrtReal(scales.speed * scales.speed + given * given + scales.fall + scales.capillary);
+  return PetscSqrtReal(scales.speed * scales.speed + given * given + scales.fall + scales.pull);
 }
 
 PetscReal StepperEnergyAtHand(Stepper stepper)

@@ -30,7 +30,7 @@ static PetscErrorCode MakeStepper(Setup *s, Stepper *stepper)
 static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal left, PetscBool spray, PetscReal *dt,
                            PetscBool *implicit)
 {
-  const StepState state = {.time = 3, .step = 7, .previous_time_step = previous, .flow_time = 0.1};
+  const StepState state = {.time = 3, .step = 7, .previous_time_step = previous};
   ParticleArrays  arrays;
   Stepper         stepper;
   Setup           s;
@@ -93,7 +93,10 @@ static PetscErrorCode TestStep(void)
     {"force, not centered", QUIET "-gravity 0,-1000 -time_centered 0", 1, 9, PETSC_FALSE,
      0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
     {"swing", QUIET "-gravity_amplitude 0,1e-3 -gravity_frequency 50", 1, 9, PETSC_FALSE, 1 / (16 * 50.), PETSC_FALSE},
-    {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, 0.05 * 0.1, PETSC_TRUE},
+    {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, PetscSqrtReal(6e-4 / (5 * 100)),
+     PETSC_TRUE},
+    {"tension, very viscous", BLOCK "-a_tension 7e4 -a_viscosity 54000 -viscosity_step_ratio 0", 1, 9, PETSC_FALSE,
+     0.03 * 54000 * H / 7e4, PETSC_TRUE},
     {"viscosity without inertia, explicit limit", BLOCK "-a_viscosity 80000 -viscosity_step_ratio 500", 1, 9,
      PETSC_FALSE, 0.2 * H / 5, PETSC_TRUE},
     {"spray", QUIET "-displacement_max 0.4", 1, 9, PETSC_TRUE, 0.8 * 0.4 * D0 / 50, PETSC_FALSE},
