@@ -8,7 +8,7 @@
 #define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
 #define PULL          5    /* of sigma/mu; density errors are then corrected in h mu/sigma, as surfaces move by h */
 #define CREEPING      0.03 /* of mu h/sigma, in which tension moves a very viscous surface by h; 0.11 is too long */
-#define LAG           6e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
+#define LAG           4e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */

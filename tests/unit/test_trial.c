@@ -93,7 +93,7 @@ static PetscErrorCode TestStep(void)
     {"force, not centered", QUIET "-gravity 0,-1000 -time_centered 0", 1, 9, PETSC_FALSE,
      0.03 * PetscSqrtReal(H / 1000), PETSC_FALSE},
     {"swing", QUIET "-gravity_amplitude 0,1e-3 -gravity_frequency 50", 1, 9, PETSC_FALSE, 1 / (16 * 50.), PETSC_FALSE},
-    {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, PetscSqrtReal(6e-4 / (5 * 100)),
+    {"viscosity without inertia", BLOCK "-a_viscosity 80000", 1, 9, PETSC_FALSE, PetscSqrtReal(4e-4 / (5 * 100)),
      PETSC_TRUE},
     {"tension, very viscous", BLOCK "-a_tension 7e4 -a_viscosity 54000 -viscosity_step_ratio 0", 1, 9, PETSC_FALSE,
      0.03 * 54000 * H / 7e4, PETSC_TRUE},

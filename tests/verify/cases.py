@@ -269,8 +269,9 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "column", "turning_box",
-                "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle", "gas_piston", "coated_plate",
-                "honey", "floating_box", "two_liquids", "weir", "pump", "boat_at_wall", "bursting_bubble", "slot_jet"}
+                "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
+                "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",
+                "boat_at_wall", "bursting_bubble", "slot_jet"}
 
 # the main case
 IMPACTS = (1e-3, 0.7e-3, 0.5e-3, 0.35e-3, 0.25e-3)
