@@ -153,7 +153,8 @@ Body SceneHole(Scene scene, PetscInt k);
 Body SceneHoleAt(Scene scene, const PetscReal x[DIM]);
 /* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
-/* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m). SceneBodyScales - its
+/* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m), of an emitter
+   across its velocity. SceneBodyScales - its
    extents (m), its thickness (m), and the largest initial speed (m/s) and acceleration along each axis (m/s2), both
    sampled within the bounds. Boxes of one liquid that are one box, cut in two, have the extents of the whole. */
 typedef struct {

@@ -3,6 +3,7 @@
 #include "scene_impl.h"
 #include <string.h>
 
+#define ALONG        0.9 /* of an emitter's speed: a direction that its liquid leaves along, in which it has no thickness */
 #define BODY_SAMPLES 5    /* points a direction at which a body's velocity and body force are sampled */
 #define CUT          1e-6 /* spacings between two bodies that are one, cut in two */
 #define ACROSS_MIN   6    /* spacings across a body: fewer hardly resolve its flow */
@@ -54,6 +55,7 @@ static void WholeBounds(Scene scene, PetscInt b, PetscReal lower[DIM], PetscReal
 PetscReal SceneBodyThickness(Scene scene, PetscInt b)
 {
   const Domain domain = scene->domain;
+  const Body   body   = SceneBody(scene, b);
   PetscReal    lower[DIM], upper[DIM], least = PETSC_MAX_REAL;
 
   WholeBounds(scene, b, lower, upper);
@@ -61,6 +63,7 @@ PetscReal SceneBodyThickness(Scene scene, PetscInt b)
     const PetscBool mirrored = (PetscBool)((domain->face[d][0] == FACE_SYMMETRY && lower[d] <= domain->lower[d]) ||
                                            (domain->face[d][1] == FACE_SYMMETRY && upper[d] >= domain->upper[d]));
 
+    if (BodyComesLater(body) && PetscAbsReal(body->uniform[d]) > ALONG * Norm(body->uniform)) continue;
     least = PetscMin(least, (mirrored ? 2 : 1) * (upper[d] - lower[d]));
   }
   return least;

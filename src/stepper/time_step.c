@@ -8,6 +8,7 @@
 #define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
 #define PULL          5    /* of sigma/mu; density errors are then corrected in h mu/sigma, as surfaces move by h */
 #define CREEPING      0.03 /* of mu h/sigma, in which tension moves a very viscous surface by h; 0.11 is too long */
+#define AT_ONCE       0.15 /* of d2/nu, in which pressure keeps up with a creeping flow: squeeze_film */
 #define LAG           4e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
 #define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
@@ -203,7 +204,7 @@ static void FindScales(Stepper stepper, Scales *scales)
 
    The projection answers a flow by dt grad p of what viscosity leaves of it, so in a step longer than d^2/nu the
    pressure gets the share d^2/(nu dt) of what it lacks: it lags behind by about dt^2 nu/d^2, which must be short beside
-   the time d/U in which the flow changes. */
+   the time d/U in which the flow changes, if the step is longer than a share of d^2/nu. */
 static PetscReal CreepingStep(Stepper stepper, PetscReal fastest)
 {
   Scene           scene = stepper->cloud->scene;
@@ -220,7 +221,7 @@ static PetscReal CreepingStep(Stepper stepper, PetscReal fastest)
                     change = PetscSqrtReal(U * U + scales.pull) * nu;
 
     if (U * d > INERTIA * nu || PetscSqrtReal(waves) > INERTIA * 2 * nu * k * k) return 0;
-    if (change > 0) step = PetscMin(step, PetscSqrtReal(LAG * d * d * d / change));
+    if (change > 0) step = PetscMin(step, PetscMax(AT_ONCE * d * d / nu, PetscSqrtReal(LAG * d * d * d / change)));
   }
   return step;
 }
