@@ -164,7 +164,7 @@ PetscBool FormulaRead(const char **text, const char names[], Formula *formula)
 
 PetscReal FormulaValue(const Formula *formula, const PetscReal x[])
 {
-  PetscReal stack[FORMULA_MOST + 1];
+  PetscReal stack[FORMULA_MOST + 1] = {0};
   PetscInt  n = 0;
 
   for (PetscInt k = 0; k < formula->count; k++) {

@@ -495,10 +495,10 @@ PetscErrorCode GasFind(Gas *gas, PetscBool exact)
     gas->enclosed += pocket->amount - had;
     pocket->tracked += air[k] * pocket->volume;
     if (brought > gas->cloud->domain->volume / 2 && was[k] - pocket->volume > JUMP * brought) {
-      const PetscReal growth = pocket->volume - was[k]; /* no flux tells it */
+      const PetscReal gained = pocket->volume - was[k]; /* no flux tells it */
 
-      gas->unseen += growth * Compressed(gas, pocket->amount, pocket->tracked + 0.5 * growth);
-      pocket->tracked += growth;
+      gas->unseen += gained * Compressed(gas, pocket->amount, pocket->tracked + 0.5 * gained);
+      pocket->tracked += gained;
     }
   }
   gas->found = PETSC_TRUE;

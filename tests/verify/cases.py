@@ -88,7 +88,8 @@ for model, numbers in MODELS.items():
     ENTRIES += [Entry("poiseuille", model, numbers, TEST if "0.5" in model else SHORT, file="models.opts"),
                 Entry("poiseuille", model + ", pipe", numbers, file="models_rings.opts")]
 ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads"),
-            Entry("squeeze_film")]
+            Entry("squeeze_film"), Entry("shear_under_gravity", size=TEST),
+            Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST)]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
@@ -268,7 +269,8 @@ ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
-DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "column", "turning_box",
+DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "shear_under_gravity",
+                "stokes_second", "column", "turning_box",
                 "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
                 "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",
                 "boat_at_wall", "bursting_bubble", "slot_jet"}
