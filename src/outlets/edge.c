@@ -40,7 +40,7 @@ static PetscErrorCode Check(Domain domain, const char prefix[], void *data)
   Outlet *outlet = (Outlet *)data;
 
   PetscFunctionBegin;
-  outlet->has_level = (PetscBool)(outlet->level > NO_LEVEL);
+  outlet->has_level = (PetscBool)(outlet->level > 0.5 * NO_LEVEL); /* typed out it is rounded */
   outlet->on        = (PetscBool)(outlet->has_level || outlet->pressure != 0);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,9 @@
                   which it is corrected */
 #include "pressure_impl.h"
 
+/* Of T, for liquid whose weight is carried: a tank at rest moves by half more with 1, and a wave gains what the errors
+   of density at its surface give. */
+#define LOADED      0.4
 #define LEAST_STEPS 3 /* in which the divergence source corrects density errors; SourceDivergence says why */
 
 /* Eq. (8): rhs = (rho_a - rho_0)/(rho_0 dt^2). Walls push, but pull only with -pressure_wall_suction: the density of a
@@ -65,12 +68,14 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 {
   Cloud            cloud = pressure->cloud;
   const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
-  const PetscReal  least = LEAST_STEPS * dt, T = pressure->relaxation_time;
+  const PetscReal  least = LEAST_STEPS * dt, T = pressure->relaxation_time, *carried = cloud->field[FIELD_CARRIED],
+                  change = pressure->carries ? LOADED - 1 : 0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    rhs[a] = -div[a] / dt -
-             PressureDensityDefect(pressure, a) * (pressure->repair / (dt * PetscMax(cloud->size[a] * T, least)));
+    rhs[a] =
+      -div[a] / dt - PressureDensityDefect(pressure, a) *
+                       (pressure->repair / (dt * PetscMax(cloud->size[a] * T * (1 + change * carried[a]), least)));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

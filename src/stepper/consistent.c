@@ -13,9 +13,7 @@
 #define FORCE_LIMIT       0.25
 #define FORCE_LIMIT_RAW   0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
 #define SHIFTING_STRENGTH 2    /* A of Skillen et al. 2013 */
-/* Time in which density errors are corrected, over h/U of the scene. With 5 a tank at rest moves by half more, and a
-   wave gains what its surface's errors of density give. */
-#define RELAXATION_RATIO 2
+#define RELAXATION_RATIO  5    /* time in which density errors are corrected, over h/U of the scene */
 
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
