@@ -16,7 +16,8 @@ def check(folder):
     time, head, last = states[-1]
     d0 = head["spacing"]
     viscosity = np.log(slopes[0] / slopes[-1]) / ((np.pi / DEPTH)**2 * time)
-    return [physics.relative("slope of the velocity at the end over that at the start", slopes[-1] / slopes[0], 1, 0.03),
+    return [physics.relative("slope of the velocity at the end over that at the start", slopes[-1] / slopes[0], 1,
+                             0.03),
             physics.at_most("rms speed across", np.sqrt((last["velocity"][:, 1]**2).mean()), 0.003, "m/s"),
             physics.shown("viscosity that this is, over d0 sqrt(g d0)", viscosity / (d0 * np.sqrt(G * d0)))]
 

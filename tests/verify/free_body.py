@@ -49,7 +49,8 @@ for side in (1, -1):
     tank = f"""-dimension 2 -spacing 0.02 -box_lower -0.6,-0.6 -box_upper 0.6,0.7 -gravity 0,-9.81 -box_x wall
  -box_ymin wall -bodies film -film_upper 0.6,0.5 -film_viscosity 0 -solids ball -ball_shape sphere -ball_radius {R}
  -ball_center 0,0 -ball_mass {WEIGHT / 9.81} -ball_rotation_center {-side * ASIDE},0 -time_end 0.04
- -ball_inertia {0.5 * WEIGHT / 9.81 * R**2} -time_step_max 3e-3 -series_interval 0.02 -checkpoint_interval 0 -snapshot_interval 0 """
+ -ball_inertia {0.5 * WEIGHT / 9.81 * R**2} -time_step_max 3e-3 -series_interval 0.02
+ -checkpoint_interval 0 -snapshot_interval 0 """
     s = runs.series(runs.run(tank, f"aside_{side}"))
     rate, turn = ([n for n in s.dtype.names if n.startswith(f"ball_{kind}")][0] for kind in ("rate", "turn"))
     due = side * WEIGHT * ASIDE / (0.5 * WEIGHT / 9.81 * (R**2 + ASIDE**2))
