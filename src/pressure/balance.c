@@ -60,7 +60,6 @@ static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal u[], const P
   const uint16_t *restrict coded = cloud->laplacian + first;
   PetscReal sum = 0, weight = 0;
 
-  SIMD_LOOP(reduction(+ : sum, weight))
   for (PetscInt k = 0; k < n; k++) {
     sum += coded[k] * u[index[k]];
     weight += coded[k] * liquid[index[k]];

@@ -231,7 +231,8 @@ static void Again(void)
   const double first = Energy(SCENE "-steps_max 5", "first_run"), second = Energy(SCENE "-steps_max 5", "second_run");
 
   CHECK_CLOSE(second, first, 0, "two_runs_are_one");
-  CHECK_CLOSE(Energy(SCENE "-steps_max 5 -output_overwrite -output_dir '" FOLDER " x'", "run_with_a_folder"), first, 0,
+  CHECK_CLOSE(Energy(SCENE "-steps_max 5 -output_overwrite -output_dir '" FOLDER " x'", "run_with_a_folder"), first,
+              1e-14 * first, /* its checkpoint sorts the particles, so the sum has another order */
               "a_folder_changes_nothing");
   (void)MPI_Barrier(MPI_COMM_WORLD);
   CHECK(Exists(FOLDER " x/series.csv") && Exists(FOLDER " x/scene.json") && Exists(FOLDER " x/log.txt") &&
