@@ -103,8 +103,8 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
                            PetscBool read, const char value[], const char standard[])
 {
   char        name[OPTION_NAME_LENGTH];
-  const char *texts[6];
-  size_t      length[6], all = 0;
+  const char *texts[7];
+  size_t      length[7], all = 0;
   OptionNote *note;
 
   PetscFunctionBegin;
@@ -127,11 +127,12 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
   texts[3] = Notes.choice;
   texts[4] = value ? value : standard;
   texts[5] = standard;
-  for (int k = 0; k < 6; k++) all += length[k] = strlen(texts[k]) + 1;
+  texts[6] = row->name; /* may be the caller's */
+  for (int k = 0; k < 7; k++) all += length[k] = strlen(texts[k]) + 1;
   PetscCall(PetscMalloc1(all, &note->text));
-  for (size_t k = 0, at = 0; k < 6; at += length[k++]) {
-    const char **const field[] = {&note->name,   &note->owner, &note->title,
-                                  &note->choice, &note->value, &note->standard};
+  for (size_t k = 0, at = 0; k < 7; at += length[k++]) {
+    const char **const field[] = {&note->name,  &note->owner,    &note->title,   &note->choice,
+                                  &note->value, &note->standard, &note->row.name};
 
     PetscCall(PetscArraycpy(note->text + at, texts[k], length[k]));
     if (k == 1 && length[1] > 1) note->text[at + length[1] - 2] = 0; /* the underscore */
