@@ -471,7 +471,8 @@ def packings():
         one = argparse.Namespace(chance=chance * 0.5, value=1)  # the accuracy is 10 %
         runs.check(found.needed([one], cost) == due, f"packings_for_{chance:g}_of_{count}_{spacings}_{cost}",
                    str(found.needed([one], cost)))
-    code, said, spent = launch.start(found.scene, ["-spacing", "0.03", "-output_dir", runs.scratch("bounded")], 1)
+    words = launch.command(found.scene, ["-spacing", "0.03", "-output_dir", runs.scratch("bounded")])
+    code, said, spent = launch.start(words, 1)
     runs.check(code and "not done after 1 s of the processor" in said and 0.8 <= spent < 3, "a_run_has_a_bound",
                f"{code}, {said}, {spent}")
     made, tried = launch.Run.go, []
