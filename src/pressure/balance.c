@@ -16,7 +16,8 @@
 
    S = w f, f the body force at the particle. Each particle keeps the share of f that the pressure carried in its last
    step, -a.f/f2, a the acceleration by pressure, cut off below NONE and above ALL: liquid that rests or flows slowly
-   has 1, liquid that falls 0, and the noise of both is gone. w is the mean of the kept shares of the liquid around.
+   has 1, liquid that falls 0, and the noise of both is gone. w is the mean of the kept shares of the liquid around that
+   no emitter holds; what one holds has no share, and its weight is the emitter's to lift.
    Without the cut S repeats its own noise: an impact rolled a tenth of its steps back. */
 #include "pressure_impl.h"
 
@@ -50,9 +51,9 @@ PetscReal PressureDepth(Pressure pressure, PetscInt a)
   return size * (pressure->depth[k] + (at - k) * (pressure->depth[k + 1] - pressure->depth[k]));
 }
 
-/* The mean of the shares u of the liquid around particle a, by the weights of the Laplacian; alone: its own. liquid: 1,
-   of dummy particles 0. */
-static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal u[], const PetscReal liquid[])
+/* The mean of the shares u of the liquid around particle a that a pressure moves, by the weights of the Laplacian;
+   alone: its own. moves: 1, of others 0, as their shares are. */
+static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal u[], const PetscReal moves[])
 {
   const PetscInt64 first         = cloud->first[a];
   const PetscInt   n             = (PetscInt)(cloud->first[a + 1] - first);
@@ -62,7 +63,7 @@ static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal u[], const P
 
   for (PetscInt k = 0; k < n; k++) {
     sum += coded[k] * u[index[k]];
-    weight += coded[k] * liquid[index[k]];
+    weight += coded[k] * moves[index[k]];
   }
   return weight > 0 ? sum / weight : u[a];
 }
@@ -116,7 +117,7 @@ PetscBool PressureCarries(Pressure pressure)
 PetscErrorCode PressurePredict(Pressure pressure)
 {
   const Cloud cloud = pressure->cloud;
-  PetscReal  *share, *kept, *liquid;
+  PetscReal  *share, *kept, *moves;
 
   PetscFunctionBegin;
   pressure->balances = PETSC_FALSE;
@@ -131,12 +132,14 @@ PetscErrorCode PressurePredict(Pressure pressure)
   PetscCall(FindPlaces(pressure));
   PetscCall(CloudGetWork(cloud, 1, &share));
   PetscCall(CloudGetWork(cloud, 1, &kept));
-  PetscCall(CloudGetWork(cloud, 1, &liquid));
-  PetscCall(PetscArraycpy(kept, cloud->field[FIELD_CARRIED], cloud->n_owned));
-  for (PetscInt a = 0; a < cloud->n_total; a++) liquid[a] = cloud->integer[INT_LAYER][a] == 0;
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) kept[a] = 0;
+  PetscCall(CloudGetWork(cloud, 1, &moves));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) {
+    moves[a] = a < cloud->n_fluid && !PressureHolds(pressure, a);
+    kept[a]  = moves[a] * cloud->field[FIELD_CARRIED][a];
+  }
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, moves));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, kept));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = MeanShare(cloud, a, kept, liquid);
+  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = MeanShare(cloud, a, kept, moves);
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, share));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     PetscReal g[DIM];
@@ -144,7 +147,7 @@ PetscErrorCode PressurePredict(Pressure pressure)
     SceneAcceleration(cloud->scene, pressure->place + DIM * a, g);
     for (PetscInt d = 0; d < DIM; d++) pressure->carried[DIM * a + d] = cloud->rest_density[a] * share[a] * g[d];
   }
-  PetscCall(CloudRestoreWork(cloud, &liquid));
+  PetscCall(CloudRestoreWork(cloud, &moves));
   PetscCall(CloudRestoreWork(cloud, &kept));
   PetscCall(CloudRestoreWork(cloud, &share));
   pressure->balances = PETSC_TRUE;
@@ -156,7 +159,7 @@ void PressureTakeCarried(Pressure pressure, PetscReal acceleration[])
   const Cloud cloud = pressure->cloud;
 
   for (PetscInt a = 0; a < cloud->n_fluid && pressure->balances; a++)
-    for (PetscInt d = 0; d < DIM; d++)
+    for (PetscInt d = 0; d < DIM && !PressureHolds(pressure, a); d++)
       acceleration[DIM * a + d] -= pressure->carried[DIM * a + d] / cloud->rest_density[a];
 }
 

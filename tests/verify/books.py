@@ -46,17 +46,21 @@ def emitters():
 
 
 def gas():
-    # What an emitter in the middle of a closed vessel brings, the gas takes: its adiabatic work to its last volume.
-    s, rest = books("""-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_y wall -gas
-     -gravity 0,-9.81 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.4 -jet_upper 0.6,0.6 -jet_velocity 0,-1
-     -pool_upper 1,0.3 -series_interval 0.02 -time_end 0.5""", "gas")
-    volume = s[next(n for n in s.dtype.names if n.startswith("gas_volume"))]
-    amount, end = np.nanmax(volume), volume[-1]
-    taken = 101325 * (amount / 0.4 * ((amount / end)**0.4 - 1) - (amount - end))
-    with open(runs.scratch("gas/log.txt"), encoding="utf-8") as log:
-        given = float(log.read().split(", enclosed gas")[1].split()[0])
-    runs.check_within(-given / taken, 0.9, 1.1, "gas that an emitter compresses takes its adiabatic work")
-    runs.check_below(abs(rest[-1]) * np.ptp(s["outside_work"]) / taken, 0.06, "books of a vessel that is filled")
+    # What an emitter in the middle of a closed vessel brings, the gas takes: its adiabatic work to its last volume. A
+    # jet breaks up otherwise from packing to packing: the mean of three.
+    works, rests = [], []
+    for seed in range(1, 4):
+        s, rest = books(f"""-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.8 -box_x wall -box_y wall -gas
+         -gravity 0,-9.81 -bodies jet,pool -jet_type emitter -jet_lower 0.4,0.4 -jet_upper 0.6,0.6 -jet_velocity 0,-1
+         -pool_upper 1,0.3 -series_interval 0.02 -time_end 0.5 -packing_seed {seed}""", f"gas_{seed}")
+        volume = s[next(n for n in s.dtype.names if n.startswith("gas_volume"))]
+        amount, end = np.nanmax(volume), volume[-1]
+        taken = 101325 * (amount / 0.4 * ((amount / end)**0.4 - 1) - (amount - end))
+        with open(runs.scratch(f"gas_{seed}/log.txt"), encoding="utf-8") as log:
+            works.append(-float(log.read().split(", enclosed gas")[1].split()[0]) / taken)
+        rests.append(rest[-1] * np.ptp(s["outside_work"]) / taken)
+    runs.check_within(np.mean(works), 0.95, 1.05, "gas that an emitter compresses takes its adiabatic work")
+    runs.check_below(abs(np.mean(rests)), 0.04, "books of a vessel that is filled")
 
 
 TANK = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.7 -box_xmin wall -gravity 0,-9.81 -bodies water

@@ -87,7 +87,7 @@ def graded():
 
 
 def sound():
-    """The weakly compressible scheme at a small Mach number is the default one, whose steps are larger: at its times."""
+    """The weakly compressible scheme at a small Mach number is the default one, at whose times it is read."""
     for name, scene in (("drop", "-options_file cases/central_force/case.opts -spacing 0.0667 -time_end 4 "),
                         ("vortices", "-options_file cases/taylor_green/case.opts -spacing 0.04 -time_end 0.6 ")):
         scene += "-checkpoint_interval 0 -packing_jitter 0.1 -series_interval "

@@ -19,7 +19,7 @@ level = START + SPEED * s["time"]
 runs.check_below(np.abs(s["height_1_m"] - level)[late].max(), 0.02 * START, "level of a lifted column, off by m")
 pressure = s["point_1_pressure_Pa"] / (1000 * G * (level - POINT))
 runs.check_within(pressure[late].mean(), 0.98, 1.02, "pressure in it, over its weight")
-runs.check_below(pressure[late].std(), 0.05, "its scatter")
+runs.check_below(pressure[late].std(), 0.04, "its scatter")
 rate = np.polyfit(s["time"], s["volume"], 1)[0]
 runs.check_within(rate / (SPEED * WIDE), 0.98, 1.02, "volume that comes")
 gained = (s["kinetic_energy"] + s["potential_energy"])[-1] - (s["kinetic_energy"] + s["potential_energy"])[0]
