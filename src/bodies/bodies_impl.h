@@ -5,8 +5,6 @@
 #include "../gauges/columns.h"
 #include "bodies.h"
 
-#define FREE_EDGE "free" /* the name of FreeEdge */
-
 /* A free body that two others (or walls: negative) hit at once. */
 typedef struct {
   PetscBool seen;
@@ -26,20 +24,15 @@ typedef struct {
   struct _p_Coupling *coupling;                                                 /* [couplings], coupling.c */
 } FreeData;
 
-static inline FreeData *FreeDataOf(Stepper stepper)
-{
-  return (FreeData *)StepEdgeData(stepper, FREE_EDGE);
-}
-
 /* FreeSetVelocities - sets velocity ([n_owned][3], m/s) of the dummy particles of a free solid, by its index, to that
    of a motion. Not collective. FreeSum - sum[solids][RIGID_MOTIONS]: force and torque on each free solid, over all
    ranks, from the forces each ([n_total][3], N) on dummy particles; 0 for other solids. normal ([n_total][3]): see
    FreeAddForce, or NULL. FreeViscousHold, FreeViscousFollow, FreeViscousDrag - the hooks. Collective. */
 void FreeSetVelocities(Cloud cloud, PetscInt solid, const PetscReal motion[RIGID_MOTIONS], PetscReal velocity[]);
 PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal normal[], PetscReal sum[]);
-PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt);
-PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
-PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+PetscErrorCode FreeViscousHold(const Step *step);
+PetscErrorCode FreeViscousFollow(const Step *step, PetscBool own, PetscReal u[]);
+PetscErrorCode FreeViscousDrag(const Step *step, const PetscReal velocity[]);
 
 /* FreeTouch - changes the motions of the free bodies, motion[solids][RIGID_MOTIONS], so that they do not enter walls,
    solids and each other in a step of dt (s) that ends at a time (s), nor close a gap of a spacing within 'leave' (s),

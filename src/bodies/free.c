@@ -14,17 +14,17 @@
 /* F and the torque about the centre (N, N m) on each body, after StepKick: the momentum that the liquid loses to its
    dummy particles, and the force of gas on them. In a periodic box a single body takes up all momentum that the
    liquid loses, to the last digit. */
-static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
+static PetscErrorCode Balance(const Step *step, PetscReal force[])
 {
-  Cloud            cloud = StepperCloud(stepper);
+  Cloud            cloud = step->cloud;
   const PetscReal *v = cloud->field[FIELD_VELOCITY_NEW], *v_star = cloud->field[FIELD_VELOCITY_STAR];
   PetscBool        alone = (PetscBool)(SceneSolidCount(cloud->scene) == 1);
   PetscReal       *each;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), each));
-  PetscCall(PressureLoad(StepperPressure(stepper), each));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), each));
+  PetscCall(PressureLoad(step->pressure, each));
   PetscCall(FreeSum(cloud, each, cloud->solid_normal, force));
   PetscCall(CloudRestoreWork(cloud, &each));
   for (PetscInt d = 0; d < cloud->domain->dim; d++)
@@ -32,7 +32,7 @@ static PetscErrorCode Balance(Stepper stepper, PetscReal dt, PetscReal force[])
   if (!alone) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < DIM; d++) force[d] = 0;
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
-    force[k % DIM] -= cloud->volume[k / DIM] * cloud->rest_density[k / DIM] / dt * (v[k] - v_star[k]);
+    force[k % DIM] -= cloud->volume[k / DIM] * cloud->rest_density[k / DIM] / step->dt * (v[k] - v_star[k]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, force, DIM, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -47,11 +47,12 @@ static void AddWeight(Scene scene, Body solid, PetscReal dt, PetscReal impulse[R
   for (PetscInt d = 0; d < DIM; d++) impulse[d] += dt * BodyMass(solid) * g[d];
 }
 
-static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
+static PetscErrorCode Predict(const Step *step)
 {
-  Cloud     cloud                                     = StepperCloud(stepper);
-  FreeData *data                                      = FreeDataOf(stepper);
-  PetscReal motions[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0};
+  const PetscReal dt                                        = step->dt;
+  Cloud           cloud                                     = step->cloud;
+  FreeData       *data                                      = (FreeData *)step->own;
+  PetscReal       motions[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0};
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
@@ -67,8 +68,8 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] += change[k];
   }
-  PetscCall(FreeTouch(cloud, StepperTime(stepper) + dt, dt, PressureRelaxationTime(StepperPressure(stepper)), motions,
-                      data->contact, &data->hit));
+  PetscCall(
+    FreeTouch(cloud, step->time + dt, dt, PressureRelaxationTime(step->pressure), motions, data->contact, &data->hit));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
       FreeSetVelocities(cloud, b, motions + RIGID_MOTIONS * b, cloud->field[FIELD_VELOCITY_STAR]);
@@ -77,31 +78,32 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 }
 
 /* The share of a body's excess that the body gets in a step. */
-static PetscReal ExcessShare(Stepper stepper, PetscReal dt)
+static PetscReal ExcessShare(const Step *step)
 {
-  return 1 - PetscExpReal(-dt / PressureRelaxationTime(StepperPressure(stepper)));
+  return 1 - PetscExpReal(-step->dt / PressureRelaxationTime(step->pressure));
 }
 
-static PetscErrorCode Push(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
+static PetscErrorCode Push(const Step *step, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
 {
-  const Body body = SceneSolid(StepperCloud(stepper)->scene, solid);
+  const Body body = SceneSolid(step->scene, solid);
 
   PetscFunctionBegin;
-  if (BodyMass(body) > 0) FreeAddForce(body, x, momentum, NULL, FreeDataOf(stepper)->impulse + RIGID_MOTIONS * solid);
+  if (BodyMass(body) > 0)
+    FreeAddForce(body, x, momentum, NULL, ((FreeData *)step->own)->impulse + RIGID_MOTIONS * solid);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the impulses of the particles that were kept out to the excess of free bodies. */
-static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Guard(const Step *step)
 {
-  const Scene     scene   = StepperCloud(stepper)->scene;
+  const Scene     scene   = step->scene;
   const PetscInt  solids  = SceneSolidCount(scene);
-  const PetscReal share   = ExcessShare(stepper, dt) / dt;
-  PetscReal      *impulse = FreeDataOf(stepper)->impulse;
+  const PetscReal share   = ExcessShare(step) / step->dt;
+  PetscReal      *impulse = ((FreeData *)step->own)->impulse;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, impulse, (PetscMPIInt)(RIGID_MOTIONS * solids), MPIU_REAL, MPIU_SUM,
-                             StepperCloud(stepper)->comm));
+                             step->cloud->comm));
   for (PetscInt b = 0; b < solids; b++) {
     PetscReal *force, *excess;
 
@@ -114,17 +116,18 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
 }
 
 /* Sets the new velocities of free bodies; adds their work on the fluid to the trial. */
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
-  Cloud           cloud = StepperCloud(stepper);
-  const PetscReal share = ExcessShare(stepper, dt);
+  Cloud           cloud = step->cloud;
+  FreeData       *data  = (FreeData *)step->own;
+  const PetscReal dt = step->dt, share                            = ExcessShare(step);
   PetscReal equation[RIGID_MOTIONS * SCENE_MAX_BODIES], *pair_sum = equation, balance[RIGID_MOTIONS * SCENE_MAX_BODIES];
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(cloud->comm, &rank));
-  PetscCall(CouplingForces(FreeDataOf(stepper), StepperPressure(stepper), equation));
-  PetscCall(Balance(stepper, dt, balance));
+  PetscCall(CouplingForces(data, step->pressure, equation));
+  PetscCall(Balance(step, balance));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
     PetscReal  center[DIM], before[RIGID_MOTIONS], after[RIGID_MOTIONS], impulse[RIGID_MOTIONS], *force, *excess;
@@ -134,25 +137,25 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
     FreeMotion(solid, center, before);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) {
       force[k]   = pair_sum[k] + excess[k];
-      impulse[k] = dt * (FreeDataOf(stepper)->drag[RIGID_MOTIONS * b + k] + force[k]);
+      impulse[k] = dt * (data->drag[RIGID_MOTIONS * b + k] + force[k]);
       excess[k] += share * (balance[RIGID_MOTIONS * b + k] - force[k]);
     }
     AddWeight(cloud->scene, solid, dt, impulse);
-    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) impulse[k] += FreeDataOf(stepper)->contact[RIGID_MOTIONS * b + k];
-    FreePush(solid, StepperTime(stepper) + 0.5 * dt, impulse);
+    for (PetscInt k = 0; k < RIGID_MOTIONS; k++) impulse[k] += data->contact[RIGID_MOTIONS * b + k];
+    FreePush(solid, step->time + 0.5 * dt, impulse);
     FreeMotion(solid, center, after);
     for (PetscInt k = 0; k < RIGID_MOTIONS && !rank; k++)
-      trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
+      step->trial->sum[SUM_SOLID_WORK] -= 0.5 * dt * force[k] * (before[k] + after[k]);
     pair_sum += RIGID_MOTIONS;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A body that two others hit at once. */
-static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
-  const Scene        scene = StepperCloud(stepper)->scene;
-  FreeData          *data  = FreeDataOf(stepper);
+  const Scene        scene = step->scene;
+  FreeData          *data  = (FreeData *)step->own;
   const HitTogether *hit   = &data->hit;
   const char        *by[2];
 
@@ -192,9 +195,9 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return SceneHasFree(StepperCloud(stepper)->scene);
+  return SceneHasFree(step->scene);
 }
 
 /* The numbers of free body k, see FreeNumbers. */
@@ -205,24 +208,24 @@ static PetscReal *Numbers(Scene scene, void *numbers, PetscInt k, PetscInt *widt
   return NULL;
 }
 
-static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
 {
   PetscFunctionBegin;
-  SceneFreeze(StepperCloud(stepper)->scene, frozen);
+  SceneFreeze(step->scene, frozen);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Create(Stepper stepper)
+static PetscErrorCode Create(const Step *step)
 {
   PetscFunctionBegin;
-  PetscCall(CouplingCreate(FreeDataOf(stepper), StepperCloud(stepper), StepperPressure(stepper)));
+  PetscCall(CouplingCreate((FreeData *)step->own, step->cloud, step->pressure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Destroy(Stepper stepper)
+static PetscErrorCode Destroy(const Step *step)
 {
   PetscFunctionBegin;
-  PetscCall(CouplingDestroy(FreeDataOf(stepper)));
+  PetscCall(CouplingDestroy((FreeData *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -250,7 +253,7 @@ static const Refusal refusals[] = {
   {.one = NULL},
 };
 
-const Edge FreeEdge = {.name      = FREE_EDGE,
+const Edge FreeEdge = {.name      = "free",
                        .gauge     = &GaugeBodies,
                        .features  = features,
                        .refusals  = refusals,

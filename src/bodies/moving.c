@@ -28,11 +28,11 @@ PetscErrorCode SolidsMove(Cloud cloud, PetscReal from, PetscReal to, PetscReal e
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+static PetscErrorCode Drift(const Step *step, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
   PetscFunctionBegin;
-  if (!SceneSolidsMove(StepperCloud(stepper)->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SolidsMove(StepperCloud(stepper), from, to, end));
+  if (!SceneSolidsMove(step->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SolidsMove(step->cloud, from, to, end));
   *moved = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -49,11 +49,11 @@ static const char *Inside(Scene scene, Body solid, PetscReal spacing, PetscBool 
 }
 
 /* Refuses a step in which a solid would leave the box or enter another solid. */
-static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
+static PetscErrorCode Check(const Step *step, PetscBool ahead, char why[], size_t length)
 {
-  const Cloud     cloud  = StepperCloud(stepper);
+  const Cloud     cloud  = step->cloud;
   const Domain    domain = cloud->domain;
-  const PetscReal from = StepperTime(stepper), to = from + dt;
+  const PetscReal from = step->time, to = from + step->dt;
   const Scene     scene = cloud->scene;
   ParticleArrays  arrays;
   PetscMPIInt     rank, own, first, size;
@@ -86,63 +86,64 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char
 }
 
 /* Adds the work of friction done by walls and solids that move. */
-static PetscErrorCode Drag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
+static PetscErrorCode Drag(const Step *step, const PetscReal velocity[])
 {
-  Cloud      cloud = StepperCloud(stepper);
+  Cloud      cloud = step->cloud;
   PetscReal *drag;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &drag));
-  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(stepper), velocity, drag));
+  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(step->stepper), velocity, drag));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
-    if (cloud->integer[INT_LAYER][b]) trial->sum[SUM_FRICTION_WORK] -= dt * Dot(drag + DIM * b, velocity + DIM * b);
+    if (cloud->integer[INT_LAYER][b])
+      step->trial->sum[SUM_FRICTION_WORK] -= step->dt * Dot(drag + DIM * b, velocity + DIM * b);
   PetscCall(CloudRestoreWork(cloud, &drag));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds the work of the pressure of solids that move. */
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
-  const Cloud cloud = StepperCloud(stepper);
+  const Cloud cloud = step->cloud;
   PetscReal  *force;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &force));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), force));
-  PetscCall(PressureLoad(StepperPressure(stepper), force));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
+  PetscCall(PressureLoad(step->pressure, force));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
 
     if (solid && BodyMass(solid) <= 0) /* free bodies: free.c */
-      trial->sum[SUM_SOLID_WORK] -= dt * Dot(force + DIM * b, cloud->field[FIELD_VELOCITY] + DIM * b);
+      step->trial->sum[SUM_SOLID_WORK] -= step->dt * Dot(force + DIM * b, cloud->field[FIELD_VELOCITY] + DIM * b);
   }
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Save(Stepper stepper)
+static PetscErrorCode Save(const Step *step)
 {
   PetscFunctionBegin;
-  SceneSave(StepperCloud(stepper)->scene);
+  SceneSave(step->scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Restore(Stepper stepper)
+static PetscErrorCode Restore(const Step *step)
 {
   PetscFunctionBegin;
-  SceneRestore(StepperCloud(stepper)->scene);
-  SceneMoveSolids(StepperCloud(stepper)->scene, StepperTime(stepper));
+  SceneRestore(step->scene);
+  SceneMoveSolids(step->scene, step->time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Drives(Stepper stepper)
+static PetscBool Drives(const Step *step)
 {
-  return SceneSolidsMove(StepperCloud(stepper)->scene);
+  return SceneSolidsMove(step->scene);
 }
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  const Cloud cloud = StepperCloud(stepper);
+  const Cloud cloud = step->cloud;
 
   return (PetscBool)(SceneSolidsMove(cloud->scene) || DomainWallSpeed(cloud->domain) != 0);
 }

@@ -42,23 +42,23 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
 
 /* drag[solids][RIGID_MOTIONS]: viscous force and torque (N, N m) on each free solid at these velocities ([n_total][3],
    m/s); 0 for other solids. */
-static PetscErrorCode Drag(Stepper stepper, const PetscReal velocity[], PetscReal drag[])
+static PetscErrorCode Drag(const Step *step, const PetscReal velocity[], PetscReal drag[])
 {
-  Cloud      cloud = StepperCloud(stepper);
+  Cloud      cloud = step->cloud;
   PetscReal *each;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
-  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(stepper), velocity, each));
+  PetscCall(OperatorsWallDrag(cloud, StepperViscosity(step->stepper), velocity, each));
   PetscCall(FreeSum(cloud, each, NULL, drag));
   PetscCall(CloudRestoreWork(cloud, &each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The inverse of 1 + dt/M C of each body; C is the drag at each unit motion of the body. */
-PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
+PetscErrorCode FreeViscousHold(const Step *step)
 {
-  Cloud          cloud  = StepperCloud(stepper);
+  Cloud          cloud  = step->cloud;
   const PetscInt solids = SceneSolidCount(cloud->scene);
   PetscReal     *u, drag[RIGID_MOTIONS * SCENE_MAX_BODIES];
 
@@ -72,13 +72,13 @@ PetscErrorCode FreeViscousHold(Stepper stepper, PetscReal dt)
     for (PetscInt b = 0; b < solids; b++)
       if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, motion, u);
     PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-    PetscCall(Drag(stepper, u, drag));
+    PetscCall(Drag(step, u, drag));
     for (PetscInt b = 0; b < solids; b++) {
-      PetscReal *matrix = FreeDataOf(stepper)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, change[RIGID_MOTIONS];
+      PetscReal *matrix = ((FreeData *)step->own)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, change[RIGID_MOTIONS];
 
       if (BodyMass(SceneSolid(cloud->scene, b)) == 0) continue;
       FreeResponse(SceneSolid(cloud->scene, b), drag + RIGID_MOTIONS * b, change);
-      for (PetscInt i = 0; i < RIGID_MOTIONS; i++) matrix[RIGID_MOTIONS * i + k] = (i == k) - dt * change[i];
+      for (PetscInt i = 0; i < RIGID_MOTIONS; i++) matrix[RIGID_MOTIONS * i + k] = (i == k) - step->dt * change[i];
     }
   }
   PetscCall(CloudRestoreWork(cloud, &u));
@@ -105,9 +105,9 @@ static void Solve(const PetscReal A[RIGID_MOTIONS * RIGID_MOTIONS], PetscReal x[
   }
 }
 
-PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[])
+PetscErrorCode FreeViscousFollow(const Step *step, PetscBool own, PetscReal u[])
 {
-  Cloud           cloud               = StepperCloud(stepper);
+  Cloud           cloud               = step->cloud;
   const PetscReal rest[RIGID_MOTIONS] = {0, 0, 0, 0, 0, 0};
   PetscReal       drag[RIGID_MOTIONS * SCENE_MAX_BODIES];
 
@@ -115,7 +115,7 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, rest, u);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-  PetscCall(Drag(stepper, u, drag));
+  PetscCall(Drag(step, u, drag));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
     PetscReal  center[DIM], start[RIGID_MOTIONS], impulse[RIGID_MOTIONS], motion[RIGID_MOTIONS], change[RIGID_MOTIONS],
@@ -126,20 +126,20 @@ PetscErrorCode FreeViscousFollow(Stepper stepper, PetscBool own, PetscReal dt, P
     FreeForces(solid, &force, &excess);
     SceneAcceleration(cloud->scene, center, g);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) {
-      impulse[k] = dt * drag[RIGID_MOTIONS * b + k];
-      if (own) impulse[k] += dt * (force[k] + (k < DIM ? BodyMass(solid) * g[k] : 0));
+      impulse[k] = step->dt * drag[RIGID_MOTIONS * b + k];
+      if (own) impulse[k] += step->dt * (force[k] + (k < DIM ? BodyMass(solid) * g[k] : 0));
     }
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] = (own ? start[k] : 0) + change[k];
-    Solve(FreeDataOf(stepper)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, motion);
+    Solve(((FreeData *)step->own)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, motion);
     FreeSetVelocities(cloud, b, motion, u);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode FreeViscousDrag(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial)
+PetscErrorCode FreeViscousDrag(const Step *step, const PetscReal velocity[])
 {
   PetscFunctionBegin;
-  PetscCall(Drag(stepper, velocity, FreeDataOf(stepper)->drag));
+  PetscCall(Drag(step, velocity, ((FreeData *)step->own)->drag));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,42 +6,35 @@
    brings neighbours nearly to one velocity, and the liquid that has left would drag them along, and tear. */
 #include "emitters_impl.h"
 
-#define NAME "emitters"
-
 static const NumberRow rows[] = {
   {"inflow_energy", NUMBER_REAL, 0, ENERGY_BROUGHT, "emitters"},
   {.name = NULL},
 };
 
-static Emissions *Of(Stepper stepper)
-{
-  return (Emissions *)StepEdgeData(stepper, NAME);
-}
-
-static PetscErrorCode Destroy(Stepper stepper)
+static PetscErrorCode Destroy(const Step *step)
 {
   PetscFunctionBegin;
-  PetscCall(EmissionsDestroy(Of(stepper)));
+  PetscCall(EmissionsDestroy((Emissions *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return SceneComesLater(StepperCloud(stepper)->scene);
+  return SceneComesLater(step->scene);
 }
 
-static PetscErrorCode Hold(Stepper stepper, PetscReal dt)
+static PetscErrorCode Hold(const Step *step)
 {
-  Cloud cloud = StepperCloud(stepper);
+  Cloud cloud = step->cloud;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal v[DIM];
 
-    if (!PressureHolds(StepperPressure(stepper), a)) continue;
-    BodyFillingVelocity(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), StepperTime(stepper) + dt,
+    if (!PressureHolds(step->pressure, a)) continue;
+    BodyFillingVelocity(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), step->time + step->dt,
                         cloud->field[FIELD_POSITION] + DIM * a, v);
-    PetscCall(ViscousHold(stepper, a, v));
+    PetscCall(ViscousHold(step->stepper, a, v));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,21 +50,22 @@ static PetscErrorCode MakeRoom(Emissions *emissions, Cloud cloud)
 }
 
 /* Particle a has the velocity of an emitter's liquid at the end of the step. */
-static void Push(Stepper stepper, Emissions *emissions, PetscInt a, Body body, PetscReal dt)
+static void Push(const Step *step, PetscInt a, Body body)
 {
-  const Cloud     cloud  = StepperCloud(stepper);
-  const PetscReal mass   = cloud->rest_density[a] * cloud->volume[a];
-  PetscReal      *v_star = cloud->field[FIELD_VELOCITY_STAR];
-  Pushed         *p      = &emissions->pushed[emissions->count++];
+  Emissions      *emissions = (Emissions *)step->own;
+  const Cloud     cloud     = step->cloud;
+  const PetscReal mass      = cloud->rest_density[a] * cloud->volume[a];
+  PetscReal      *v_star    = cloud->field[FIELD_VELOCITY_STAR];
+  Pushed         *p         = &emissions->pushed[emissions->count++];
 
   p->a = a;
-  BodyFillingVelocity(body, StepperTime(stepper) + dt, cloud->field[FIELD_POSITION] + DIM * a, p->v);
+  BodyFillingVelocity(body, step->time + step->dt, cloud->field[FIELD_POSITION] + DIM * a, p->v);
   for (PetscInt d = 0; d < DIM; d++) {
     const PetscInt k = DIM * a + d;
 
     emissions->work += 0.5 * mass * (p->v[d] - v_star[k]) * (cloud->field[FIELD_VELOCITY][k] + p->v[d]);
     v_star[k] = p->v[d];
-    p->x[d]   = cloud->field[FIELD_POSITION][k] + (emissions->half ? 0.5 : 1) * dt * p->v[d];
+    p->x[d]   = cloud->field[FIELD_POSITION][k] + (emissions->half ? 0.5 : 1) * step->dt * p->v[d];
   }
 }
 
@@ -93,21 +87,20 @@ static Body Enclosing(Cloud cloud, PetscInt a)
 
 /* The liquid in emitters pushes: it has its velocity at the end of the step whatever the pressure. So has what got
    among it: beside liquid that pushes and walls alone its pressure would have no equation (a weir stopped by it). */
-static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
+static PetscErrorCode Predict(const Step *step)
 {
-  Emissions *emissions = Of(stepper);
-  Cloud      cloud     = StepperCloud(stepper);
+  Emissions *emissions = (Emissions *)step->own;
+  Cloud      cloud     = step->cloud;
   PetscInt   own;
 
   PetscFunctionBegin;
   emissions->count = 0;
   emissions->work  = 0;
-  if (emissions->frozen || !PressureTakesDivergence(StepperPressure(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
+  if (emissions->frozen || !PressureTakesDivergence(step->pressure)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeRoom(emissions, cloud));
   PetscCall(PetscArrayzero(emissions->pushing, cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (PressureHolds(StepperPressure(stepper), a))
-      Push(stepper, emissions, a, SceneBody(cloud->scene, cloud->integer[INT_BODY][a]), dt);
+    if (PressureHolds(step->pressure, a)) Push(step, a, SceneBody(cloud->scene, cloud->integer[INT_BODY][a]));
   own = emissions->count;
   for (PetscInt k = 0; k < own; k++) emissions->pushing[emissions->pushed[k].a] = 1;
   PetscCall(CloudUpdateIntArray(cloud, emissions->pushing));
@@ -115,7 +108,7 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Body body = Enclosing(cloud, a);
 
-    if (body) Push(stepper, emissions, a, body, dt);
+    if (body) Push(step, a, body);
   }
   for (PetscInt k = own; k < emissions->count; k++) emissions->pushing[emissions->pushed[k].a] = 1;
   PetscCall(CloudUpdateIntArray(cloud, emissions->pushing));
@@ -123,32 +116,32 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
-  Emissions *emissions = Of(stepper);
-  Cloud      cloud     = StepperCloud(stepper);
+  Emissions *emissions = (Emissions *)step->own;
+  Cloud      cloud     = step->cloud;
   PetscReal *force;
 
   PetscFunctionBegin;
   if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &force));
-  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(StepperPressure(stepper)), force));
+  PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
   for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {
-    emissions->work -= dt * Dot(force + DIM * p->a, p->v);
+    emissions->work -= step->dt * Dot(force + DIM * p->a, p->v);
     PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_NEW] + DIM * p->a, p->v, DIM));
   }
   for (PetscInt g = cloud->n_owned; g < cloud->n_total; g++) /* each rank has the forces of its own liquid */
     if (CloudPushes(cloud, g))
-      emissions->work -= dt * Dot(force + DIM * g, cloud->field[FIELD_VELOCITY_STAR] + DIM * g);
+      emissions->work -= step->dt * Dot(force + DIM * g, cloud->field[FIELD_VELOCITY_STAR] + DIM * g);
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Shifting evens it out across its velocity, so that as much comes as was asked for. */
-static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Guard(const Step *step)
 {
-  const Emissions *emissions = Of(stepper);
-  Cloud            cloud     = StepperCloud(stepper);
+  const Emissions *emissions = (Emissions *)step->own;
+  Cloud            cloud     = step->cloud;
 
   PetscFunctionBegin;
   if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
@@ -163,30 +156,30 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Restore(Stepper stepper)
+static PetscErrorCode Restore(const Step *step)
 {
   PetscFunctionBegin;
-  StepperCloud(stepper)->pushing = NULL;
-  Of(stepper)->half              = PETSC_FALSE;
+  step->cloud->pushing           = NULL;
+  ((Emissions *)step->own)->half = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+static PetscErrorCode Drift(const Step *step, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
   PetscFunctionBegin;
-  if (to < end) Of(stepper)->half = PETSC_TRUE;
+  if (to < end) ((Emissions *)step->own)->half = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses to fill what is full. */
-static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
+static PetscErrorCode Check(const Step *step, PetscBool ahead, char why[], size_t length)
 {
-  const Scene     scene = StepperCloud(stepper)->scene;
-  const PetscReal now   = StepperTime(stepper);
+  const Scene     scene = step->scene;
+  const PetscReal now   = step->time;
 
   PetscFunctionBegin;
-  for (PetscInt b = 0; b < SceneCount(scene) && Of(stepper)->full && !ahead && !why[0]; b++)
-    if (BodyComesLater(SceneBody(scene, b)) && BodyFillings(SceneBody(scene, b), now + dt) > 0)
+  for (PetscInt b = 0; b < SceneCount(scene) && ((Emissions *)step->own)->full && !ahead && !why[0]; b++)
+    if (BodyComesLater(SceneBody(scene, b)) && BodyFillings(SceneBody(scene, b), now + step->dt) > 0)
       PetscCall(
         PetscSNPrintf(why, length,
                       "the emitter %s has filled the vessel: its liquid has no free surface and no open face to "
@@ -195,49 +188,49 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
 {
   PetscFunctionBegin;
-  Of(stepper)->frozen = frozen;
+  ((Emissions *)step->own)->frozen = frozen;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  Emissions *emissions = Of(stepper);
+  Emissions *emissions = (Emissions *)step->own;
   /* work, speed of what pushes, particles that do not */
-  PetscReal sum[3] = {emissions->work, 0, (PetscReal)(StepperCloud(stepper)->n_fluid - emissions->count)};
+  PetscReal sum[3] = {emissions->work, 0, (PetscReal)(step->cloud->n_fluid - emissions->count)};
 
   PetscFunctionBegin;
   for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) sum[1] += Norm(p->v);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPI_SUM, StepperCloud(stepper)->comm));
-  emissions->full = (PetscBool)(sum[1] > 0 && sum[2] > 0 && PressureIsClosed(StepperPressure(stepper)));
-  *(PetscReal *)StepperNumbers(stepper, state, NAME) += sum[0];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPI_SUM, step->cloud->comm));
+  emissions->full = (PetscBool)(sum[1] > 0 && sum[2] > 0 && PressureIsClosed(step->pressure));
+  *(PetscReal *)StepNumbers(step, state) += sum[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Brings energy, too: of the liquid that comes, and that which changes liquid that does not push. */
-static PetscErrorCode Bring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
+static PetscErrorCode Bring(const Step *step, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
 {
   GaugeTotals before, after;
   PetscInt    emitted;
 
   PetscFunctionBegin;
   if (gauges) PetscCall(GaugesTotals(gauges, &before));
-  PetscCall(EmissionsAdd(Of(stepper), StepperCloud(stepper), packing, state->time, resumed, &emitted));
+  PetscCall(EmissionsAdd((Emissions *)step->own, step->cloud, packing, state->time, resumed, &emitted));
   if (!gauges) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GaugesTotals(gauges, &after));
-  *(PetscReal *)StepperNumbers(stepper, state, NAME) +=
+  *(PetscReal *)StepNumbers(step, state) +=
     after.kinetic_energy + after.potential_energy - before.kinetic_energy - before.potential_energy;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Filling(Stepper stepper, PetscInt body, PetscInt *particles)
+static PetscReal Filling(const Step *step, PetscInt body, PetscInt *particles)
 {
-  const Emission *emission = &Of(stepper)->of[body];
+  const Emission *emission = &((Emissions *)step->own)->of[body];
 
   if (particles) *particles = emission->n;
-  return EmissionVolume(emission, StepperCloud(stepper)->domain);
+  return EmissionVolume(emission, step->cloud->domain);
 }
 
 #define EMITTERS "-<body>_type emitter"
@@ -250,7 +243,7 @@ static PetscBool Emits(Scene scene, Tension tension)
 static const Feature features[] = {{EMITTERS, Emits}, {.name = NULL}};
 static const Refusal refusals[] = {{FEATURE_POISSON, NOT_WITH, EMITTERS, "; use -packing_type lattice"}, {.one = NULL}};
 
-const Edge EmitterEdge = {.name        = NAME,
+const Edge EmitterEdge = {.name        = "emitters",
                           .features    = features,
                           .refusals    = refusals,
                           .data_size   = sizeof(Emissions),

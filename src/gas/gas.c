@@ -8,9 +8,10 @@
    most of whose box is air. With looks that sum up all cells it was 2.3, 2.2, 2.1 and 5.1 %. */
 #include "gas_impl.h"
 
-#define UNKEPT 0.05 /* of a constant volume, by which its sum may be wrong: one by stirring was 0.004 of the liquid's  \
-                     */
-#define LOOK 8      /* steps after which pockets are looked for again, at the latest */
+#define UNKEPT                                                                                                         \
+  0.05         /* of a constant volume, by which its sum may be wrong: one by stirring was 0.004 of the liquid's       \
+                */
+#define LOOK 8 /* steps after which pockets are looked for again, at the latest */
 
 static const OptionRow option[] = {
   {"-gas",
@@ -57,21 +58,21 @@ static PetscReal *Numbers(Scene scene, void *numbers, PetscInt k, PetscInt *widt
   return k < PetscMin(so_far->count, GAS_MOST) ? (PetscReal *)&so_far->pocket[k] : NULL;
 }
 
-static PetscErrorCode Create(Stepper stepper)
+static PetscErrorCode Create(const Step *step)
 {
-  Gas *gas = GasOf(stepper);
+  Gas *gas = (Gas *)step->own;
 
   PetscFunctionBegin;
-  gas->cloud    = StepperCloud(stepper);
-  gas->pressure = StepperPressure(stepper);
+  gas->cloud    = step->cloud;
+  gas->pressure = step->pressure;
   gas->ambient  = 101325;
   gas->exponent = 1.4;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Options(Stepper stepper)
+static PetscErrorCode Options(const Step *step)
 {
-  Gas     *gas  = GasOf(stepper);
+  Gas     *gas  = (Gas *)step->own;
   MPI_Comm comm = gas->cloud->comm;
 
   PetscFunctionBegin;
@@ -84,9 +85,9 @@ static PetscErrorCode Options(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Destroy(Stepper stepper)
+static PetscErrorCode Destroy(const Step *step)
 {
-  Gas *gas = GasOf(stepper);
+  Gas *gas = (Gas *)step->own;
 
   PetscFunctionBegin;
   PetscCall(GasCellsDestroy(&gas->cells[0]));
@@ -101,9 +102,9 @@ static PetscErrorCode Destroy(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return GasOf(stepper)->on;
+  return ((Gas *)step->own)->on;
 }
 
 /* The largest difference (Pa) of the pressures at the start to that of the open air. */
@@ -115,22 +116,22 @@ static PetscReal Excess(const Gas *gas)
 }
 
 /* That of Bernoulli. */
-static PetscReal Speed(Stepper stepper)
+static PetscReal Speed(const Step *step)
 {
-  const Gas *gas = GasOf(stepper);
+  const Gas *gas = (Gas *)step->own;
 
   return gas->on ? PetscSqrtReal(2 * Excess(gas) / BodyMaterial(SceneBody(gas->cloud->scene, 0))->density) : 0;
 }
 
 /* Gas at the pressure of the open air gives back what it got. */
-static PetscBool Drives(Stepper stepper)
+static PetscBool Drives(const Step *step)
 {
-  return (PetscBool)(GasOf(stepper)->on && Excess(GasOf(stepper)) > 0);
+  return (PetscBool)(((Gas *)step->own)->on && Excess((Gas *)step->own) > 0);
 }
 
-static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
 {
-  Gas *gas = GasOf(stepper);
+  Gas *gas = (Gas *)step->own;
 
   PetscFunctionBegin;
   gas->frozen       = frozen;
@@ -140,25 +141,25 @@ static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Restore(Stepper stepper)
+static PetscErrorCode Restore(const Step *step)
 {
   PetscFunctionBegin;
-  GasOf(stepper)->found = PETSC_FALSE;
-  GasForget(GasOf(stepper));
+  ((Gas *)step->own)->found = PETSC_FALSE;
+  GasForget((Gas *)step->own);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* After the edges of solids: whether they have moved theirs. */
-static PetscErrorCode Drift(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
+static PetscErrorCode Drift(const Step *step, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 {
   PetscFunctionBegin;
-  GasOf(stepper)->solids_move = *moved;
+  ((Gas *)step->own)->solids_move = *moved;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Surround(Stepper stepper)
+static PetscErrorCode Surround(const Step *step)
 {
-  Gas            *gas  = GasOf(stepper);
+  Gas            *gas  = (Gas *)step->own;
   const PetscBool soon = (PetscBool)(gas->before_known && gas->idle < LOOK - 1); /* since they were looked for */
   PetscBool       kept = PETSC_FALSE;
 
@@ -174,9 +175,9 @@ static PetscErrorCode Surround(Stepper stepper)
 
 /* Refuses to go on where gas of constant volume has lost or gained some: without open air its volume is what the liquid
    leaves of the vessel. */
-static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length)
+static PetscErrorCode Check(const Step *step, PetscBool ahead, char why[], size_t length)
 {
-  const Gas *gas    = GasOf(stepper);
+  const Gas *gas    = (Gas *)step->own;
   PetscReal  amount = 0, volume = 0;
 
   PetscFunctionBegin;
@@ -196,9 +197,9 @@ static PetscErrorCode Check(Stepper stepper, PetscReal dt, PetscBool ahead, char
 }
 
 /* That of the pocket at x, by the cells of the last step. */
-static PetscReal Beside(Stepper stepper, const PetscReal x[DIM])
+static PetscReal Beside(const Step *step, const PetscReal x[DIM])
 {
-  const Gas      *gas     = GasOf(stepper);
+  const Gas      *gas     = (Gas *)step->own;
   const GasCells *cells   = gas->before.cells;
   PetscInt        at[DIM] = {0, 0, 0}, node, owner;
 
@@ -211,9 +212,9 @@ static PetscReal Beside(Stepper stepper, const PetscReal x[DIM])
   return owner > GAS_AIR ? gas->before.pocket[owner].pressure : 0;
 }
 
-static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
-  Gas *gas = GasOf(stepper);
+  Gas *gas = (Gas *)step->own;
 
   PetscFunctionBegin;
   if (!gas->crowded || gas->said) PetscFunctionReturn(PETSC_SUCCESS);
@@ -245,10 +246,10 @@ static void Keep(Gas *gas, PetscBool counted, GasNumbers *so_far)
   for (PetscInt k = 0; k < so_far->count; k++) so_far->pocket[k] = gas->before.pocket[k + 1];
 }
 
-static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  Gas        *gas    = GasOf(stepper);
-  GasNumbers *so_far = (GasNumbers *)StepperNumbers(stepper, state, GAS_EDGE);
+  Gas        *gas    = (Gas *)step->own;
+  GasNumbers *so_far = (GasNumbers *)StepNumbers(step, state);
   PetscReal   power  = 0;
 
   PetscFunctionBegin;
@@ -295,10 +296,10 @@ static void Recognise(Gas *gas, const GasNumbers *so_far)
   }
 }
 
-static PetscErrorCode Renew(Stepper stepper, PetscBool resumed, StepState *state)
+static PetscErrorCode Renew(const Step *step, PetscBool resumed, StepState *state)
 {
-  Gas        *gas    = GasOf(stepper);
-  GasNumbers *so_far = (GasNumbers *)StepperNumbers(stepper, state, GAS_EDGE);
+  Gas        *gas    = (Gas *)step->own;
+  GasNumbers *so_far = (GasNumbers *)StepNumbers(step, state);
 
   PetscFunctionBegin;
   if (!so_far->known) PetscFunctionReturn(PETSC_SUCCESS);
@@ -350,7 +351,7 @@ static const Refusal refusals[] = {{HOLE, NEEDS_GIVEN, "-gas", ""},
                                    {"-gas", NOT_WITH, FEATURE_DENSITIES, " yet"},
                                    {.one = NULL}};
 
-const Edge GasEdge = {.name        = GAS_EDGE,
+const Edge GasEdge = {.name        = "gas",
                       .features    = features,
                       .properties  = GasProperties,
                       .gauge       = &GaugePockets,

@@ -5,9 +5,8 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define GAS_EDGE  "gas" /* the name of the edge */
-#define GAS_MOST  256   /* pockets, whose equations are dense; of more regions the smallest have no gas */
-#define GAS_SHARE 8     /* pockets that a row may see */
+#define GAS_MOST  256 /* pockets, whose equations are dense; of more regions the smallest have no gas */
+#define GAS_SHARE 8   /* pockets that a row may see */
 
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
 enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
@@ -210,11 +209,6 @@ static inline PetscBool GasSeen(const Gas *gas)
 extern const Property GasProperties[]; /* of holes */
 PetscReal             GasHolePressure(Scene scene, const PetscReal x[]);
 
-static inline Gas *GasOf(Stepper stepper)
-{
-  return (Gas *)StepEdgeData(stepper, GAS_EDGE);
-}
-
 /* GasFind - finds the regions without liquid at the positions of the cloud, and gives pockets what pockets before had;
    exact: else a first look is a quick one, which suffices if all regions are open.
    GasKeep - or takes over what was found last, if nothing beside the pockets has moved far since. Collective. GasSwap -
@@ -229,6 +223,7 @@ extern const LowRank GasTerm; /* its context is a Gas */
 PetscErrorCode GasFindRows(Gas *gas);
 void           GasForget(Gas *gas);
 
+extern const Edge      GasEdge;
 extern const GaugeKind GaugePockets; /* gauge.c */
 
 #endif

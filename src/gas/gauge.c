@@ -17,9 +17,9 @@ static const OptionRow options[] = {
 /* The gas of the run; NULL: it has none. */
 static const Gas *RunGas(Gauges gauges)
 {
-  Stepper stepper = (Stepper)GaugesRun(gauges);
+  const Gas *gas = (const Gas *)StepperOwn((Stepper)GaugesRun(gauges), &GasEdge);
 
-  return stepper && GasOf(stepper)->on ? GasOf(stepper) : NULL;
+  return gas && gas->on ? gas : NULL;
 }
 
 static PetscErrorCode Check_Pockets(Gauges gauges, void *data)

@@ -3,9 +3,9 @@
 
 #define STABLE 0.1 /* h^2 over the diffusivity, the longest step; see spread.c */
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return HeatOn(StepperCloud(stepper)->scene, NULL);
+  return HeatOn(step->scene, NULL);
 }
 
 static void Start(Scene scene, PetscInt body, const PetscReal x[DIM], PetscReal value[])
@@ -15,9 +15,9 @@ static void Start(Scene scene, PetscInt body, const PetscReal x[DIM], PetscReal 
 
 static const EdgeField fields[] = {{FIELD_TEMPERATURE, HeatOn, Start}, {.needed = NULL}};
 
-static void Bound(Stepper stepper, PetscReal scale, StepBound *bound)
+static void Bound(const Step *step, PetscReal scale, StepBound *bound)
 {
-  const Cloud     cloud = StepperCloud(stepper);
+  const Cloud     cloud = step->cloud;
   const PetscReal h     = scale * KernelSmoothingLength(cloud->kernel);
 
   bound->name  = "heat";
@@ -31,10 +31,10 @@ static void Bound(Stepper stepper, PetscReal scale, StepBound *bound)
   }
 }
 
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
   PetscFunctionBegin;
-  if (StepperDamping(stepper) == 1) PetscCall(HeatSpread(StepperCloud(stepper), dt));
+  if (step->damping == 1) PetscCall(HeatSpread(step->cloud, step->dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -43,7 +43,7 @@ static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
 static const Feature features[] = {{TEMPERATURE, HeatOn}, {.name = NULL}};
 static const Refusal refusals[] = {{TEMPERATURE, NEEDS, FEATURE_CONSISTENT, ", the default"}, {.one = NULL}};
 
-const Edge HeatEdge = {.name       = HEAT,
+const Edge HeatEdge = {.name       = "heat",
                        .properties = HeatProperties,
                        .fields     = fields,
                        .features   = features,

@@ -5,8 +5,6 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define HEAT "heat"
-
 /* What a body has of heat, a property. */
 typedef struct {
   PetscReal temperature;            /* K, at the start; 0: none */

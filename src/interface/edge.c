@@ -2,21 +2,21 @@
 #include "../stepper/edge.h"
 #include "interface_impl.h"
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return (PetscBool)(SceneInterfaceTension(StepperCloud(stepper)->scene) > 0);
+  return (PetscBool)(SceneInterfaceTension(step->scene) > 0);
 }
 
-static PetscErrorCode Create(Stepper stepper)
+static PetscErrorCode Create(const Step *step)
 {
   PetscFunctionBegin;
-  if (On(stepper)) TensionSetSurfaces(StepperTension(stepper), InterfaceApply);
+  if (On(step)) TensionSetSurfaces(step->tension, InterfaceApply);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void WriteJson(Stepper stepper, Json *json)
+static void WriteJson(const Step *step, Json *json)
 {
-  JsonReal(json, "interface_tension", SceneInterfaceTension(StepperCloud(stepper)->scene));
+  JsonReal(json, "interface_tension", SceneInterfaceTension(step->scene));
 }
 
 /* n, the sum of V grad W (1/m) over the neighbours of the other liquid of particle a; adds the flow (m3/s) into a's
@@ -44,9 +44,9 @@ static void Normal(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal n[DIM
 
 /* Adds sigma times the area of the interface, J: the integral of |sum V grad W| over the liquid on each side is half
    the area. */
-static PetscErrorCode Diagnose(Stepper stepper, StepTrial *trial)
+static PetscErrorCode Diagnose(const Step *step)
 {
-  const Cloud cloud = StepperCloud(stepper);
+  const Cloud cloud = step->cloud;
   PetscReal   area  = 0, n[DIM];
 
   PetscFunctionBegin;
@@ -54,15 +54,15 @@ static PetscErrorCode Diagnose(Stepper stepper, StepTrial *trial)
     Normal(cloud, a, NULL, n, NULL);
     area += cloud->volume[a] * Norm(n);
   }
-  trial->sum[SUM_SURFACE_ENERGY] += SceneInterfaceTension(cloud->scene) * area;
+  step->trial->sum[SUM_SURFACE_ENERGY] += SceneInterfaceTension(cloud->scene) * area;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The work of tension on the whole surface of each liquid, towards gas and the other liquid, with its part of the
    pressure, cloud->pressure_jump, at the velocity v in the middle of the step: as on the free surface. */
-static PetscErrorCode Work(Stepper stepper, PetscReal dt, PetscReal v[], StepTrial *trial)
+static PetscErrorCode Work(const Step *step, PetscReal v[])
 {
-  const Cloud      cloud  = StepperCloud(stepper);
+  const Cloud      cloud  = step->cloud;
   const PetscReal *normal = cloud->field[FIELD_NORMAL];
 
   PetscFunctionBegin;
@@ -76,10 +76,10 @@ static PetscErrorCode Work(Stepper stepper, PetscReal dt, PetscReal v[], StepTri
       Normal(cloud, a, v, n, &flow);
       area += 2 * cloud->volume[a] * Norm(n);
     }
-    trial->sum[SUM_TENSION_WORK] += cloud->pressure_jump[a] * dt * flow;
-    trial->sum[at] += dt * flow;
-    trial->sum[at + 1] += area;
-    trial->sum[at + 2] += cloud->pressure_jump[a] * area;
+    step->trial->sum[SUM_TENSION_WORK] += cloud->pressure_jump[a] * step->dt * flow;
+    step->trial->sum[at] += step->dt * flow;
+    step->trial->sum[at + 1] += area;
+    step->trial->sum[at + 2] += cloud->pressure_jump[a] * area;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,39 +3,37 @@
 #include "../stepper/edge.h"
 #include "lines.h"
 
-#define NAME "contact_line"
-
 typedef struct {
   PetscReal fastest; /* largest capillary number of a line in the step, of this rank */
   PetscBool said;    /* by Doubt */
 } Line;
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return (PetscBool)(TensionReach(StepperTension(stepper)) > 0);
+  return (PetscBool)(TensionReach(step->tension) > 0);
 }
 
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
-  Cloud cloud = StepperCloud(stepper);
+  Cloud cloud = step->cloud;
 
   PetscFunctionBegin;
-  ((Line *)StepEdgeData(stepper, NAME))->fastest = LinesFastest(StepperTension(stepper));
-  if (TensionHasLaw(StepperTension(stepper))) LinesMove(StepperTension(stepper), cloud, dt);
+  ((Line *)step->own)->fastest = LinesFastest(step->tension);
+  if (TensionHasLaw(step->tension)) LinesMove(step->tension, cloud, step->dt);
   PetscCall(
-    LinesResist(StepperTension(stepper), cloud, dt, cloud->field[FIELD_VELOCITY_NEW], &trial->sum[SUM_TENSION_WORK]));
+    LinesResist(step->tension, cloud, step->dt, cloud->field[FIELD_VELOCITY_NEW], &step->trial->sum[SUM_TENSION_WORK]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A line that moves so fast that its angle at rest does not describe it. */
-static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
-  Line     *line = (Line *)StepEdgeData(stepper, NAME);
+  Line     *line = (Line *)step->own;
   PetscReal Ca;
 
   PetscFunctionBegin;
-  if (line->said || TensionHasLaw(StepperTension(stepper))) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, StepperCloud(stepper)->comm));
+  if (line->said || TensionHasLaw(step->tension)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, step->cloud->comm));
   if (Ca < FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
   line->said = PETSC_TRUE;
   PetscCall(PetscSNPrintf(text, length,
@@ -80,7 +78,7 @@ static const Refusal refusals[] = {
 
 static const EdgeField fields[] = {{FIELD_LINE, HasLaw, NULL}, {.needed = NULL}};
 
-const Edge ContactEdge = {.name      = NAME,
+const Edge ContactEdge = {.name      = "contact_line",
                           .fields    = fields,
                           .gauge     = &GaugeSpread,
                           .features  = features,

@@ -55,18 +55,18 @@ static PetscBool HasOutlets(Scene scene, Tension tension)
   return PETSC_FALSE;
 }
 
-static PetscBool On(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return HasOutlets(StepperCloud(stepper)->scene, NULL);
+  return HasOutlets(step->scene, NULL);
 }
 
-static PetscErrorCode Create(Stepper stepper)
+static PetscErrorCode Create(const Step *step)
 {
-  Outlets *outlets = OutletsOf(stepper);
+  Outlets *outlets = (Outlets *)step->own;
 
   PetscFunctionBegin;
-  outlets->cloud    = StepperCloud(stepper);
-  outlets->pressure = StepperPressure(stepper);
+  outlets->cloud    = step->cloud;
+  outlets->pressure = step->pressure;
   for (PetscInt f = 0; f < 2 * DIM; f++)
     outlets->face[f / 2][f % 2] = (const Outlet *)SceneFaceOwn(outlets->cloud->scene, f / 2, f % 2, properties);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -103,9 +103,9 @@ static PetscReal FindSpeed(const Outlets *outlets)
   return PetscSqrtReal(2 * most);
 }
 
-static PetscErrorCode Options(Stepper stepper)
+static PetscErrorCode Options(const Step *step)
 {
-  Outlets     *outlets = OutletsOf(stepper);
+  Outlets     *outlets = (Outlets *)step->own;
   const Domain domain  = outlets->cloud->domain;
 
   PetscFunctionBegin;
@@ -114,7 +114,7 @@ static PetscErrorCode Options(Stepper stepper)
                    "-box_%s_%s: the face is %s; only an open one has an outside", FaceNames[f / 2][f % 2],
                    outlets->face[f / 2][f % 2]->has_level ? "level" : "pressure",
                    FaceTypes[domain->face[f / 2][f % 2]]);
-  if (!On(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!On(step)) PetscFunctionReturn(PETSC_SUCCESS);
   FindGravity(outlets->cloud->scene, outlets->gravity);
   outlets->density = BodyMaterial(SceneBody(outlets->cloud->scene, 0))->density;
   outlets->speed   = FindSpeed(outlets);
@@ -122,26 +122,20 @@ static PetscErrorCode Options(Stepper stepper)
     PetscCheckUser(!outlets->face[f / 2][f % 2]->has_level || Norm(outlets->gravity) > 0, domain->comm,
                    "-box_%s_level needs -gravity: without it there is no level; -box_%s_pressure is a pressure",
                    FaceNames[f / 2][f % 2], FaceNames[f / 2][f % 2]);
-  PetscCall(PressureAddLowRank(StepperPressure(stepper), &OutletTerm, outlets));
+  PetscCall(PressureAddLowRank(step->pressure, &OutletTerm, outlets));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Speed(Stepper stepper)
+static PetscReal Speed(const Step *step)
 {
-  return OutletsOf(stepper)->speed;
+  return ((Outlets *)step->own)->speed;
 }
 
-static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
 {
   PetscFunctionBegin;
-  OutletsOf(stepper)->frozen = frozen;
+  ((Outlets *)step->own)->frozen = frozen;
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Of this step, summed with the trial. */
-static OutletSums *Sums(Stepper stepper)
-{
-  return (OutletSums *)StepEdgeSums(stepper, OUTLETS);
 }
 
 /* Sums the work of the outsides on the surfaces in front of them. */
@@ -161,23 +155,24 @@ static void SumPush(const Outlets *outlets, PetscReal dt, OutletSums *sums)
   }
 }
 
-static PetscErrorCode Kick(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Kick(const Step *step)
 {
-  Outlets *outlets = OutletsOf(stepper);
+  OutletSums *sums = (OutletSums *)step->sums;
 
   PetscFunctionBegin;
-  SumPush(outlets, dt, Sums(stepper));
-  PetscCall(OutletsCalm(outlets, dt, outlets->cloud->field[FIELD_VELOCITY_NEW], &Sums(stepper)->now.work));
+  SumPush((Outlets *)step->own, step->dt, sums);
+  PetscCall(OutletsCalm((Outlets *)step->own, step->dt, step->cloud->field[FIELD_VELOCITY_NEW], &sums->now.work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What will leave with this step, and the work of the pressure that it leaves against. The work on the surface at its
    velocity, as that of surface tension, is 2.5 % larger in a channel: a surface that particles leave is uneven. So it
    counts beside that on what left only while the surface is in front of the face, or half a spacing behind it. */
-static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
+static PetscErrorCode Guard(const Step *step)
 {
-  Outlets    *outlets = OutletsOf(stepper);
-  const Cloud cloud   = outlets->cloud;
+  Outlets    *outlets = (Outlets *)step->own;
+  OutletSums *sums    = (OutletSums *)step->sums;
+  const Cloud cloud   = step->cloud;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
@@ -187,9 +182,9 @@ static PetscErrorCode Guard(Stepper stepper, PetscReal dt, StepTrial *trial)
 
     if (f < 0 || !outlets->face[f / 2][f % 2]->on) continue;
     P = OutletOutside(outlets, f / 2, f % 2, x, 0, NULL);
-    Sums(stepper)->now.left[f] += cloud->volume[a];
-    Sums(stepper)->now.work -= cloud->volume[a] * P;
-    Sums(stepper)->against[f] += cloud->volume[a] * P;
+    sums->now.left[f] += cloud->volume[a];
+    sums->now.work -= cloud->volume[a] * P;
+    sums->against[f] += cloud->volume[a] * P;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -204,11 +199,11 @@ static PetscReal Pushed(PetscReal before, PetscReal by, PetscReal taken, PetscRe
   return now > half ? now + taken : PetscMin(now + taken, half);
 }
 
-static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  Outlets          *outlets = OutletsOf(stepper);
-  OutletNumbers    *so_far  = (OutletNumbers *)StepperNumbers(stepper, state, OUTLETS);
-  const OutletSums *sum     = Sums(stepper);
+  Outlets          *outlets = (Outlets *)step->own;
+  OutletNumbers    *so_far  = (OutletNumbers *)StepNumbers(step, state);
+  const OutletSums *sum     = (OutletSums *)step->sums;
 
   PetscFunctionBegin;
   if (outlets->frozen) PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,9 +221,9 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
 }
 
 /* An outside that has pushed the surface in by more than a spacing. */
-static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
-  Outlets       *outlets = OutletsOf(stepper);
+  Outlets       *outlets = (Outlets *)step->own;
   const PetscInt f       = outlets->higher - 1;
 
   PetscFunctionBegin;
@@ -241,10 +236,10 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Renew(Stepper stepper, PetscBool resumed, StepState *state)
+static PetscErrorCode Renew(const Step *step, PetscBool resumed, StepState *state)
 {
   PetscFunctionBegin;
-  OutletsOf(stepper)->so_far = *(OutletNumbers *)StepperNumbers(stepper, state, OUTLETS);
+  ((Outlets *)step->own)->so_far = *(OutletNumbers *)StepNumbers(step, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -259,7 +254,7 @@ static const Refusal refusals[] = {{OUTLET, NEEDS, FEATURE_CONSISTENT, ", the de
                                    {OUTLET, NOT_WITH, "-gas", " yet: beside an open face there is open air"},
                                    {.one = NULL}};
 
-const Edge OutletEdge = {.name        = OUTLETS,
+const Edge OutletEdge = {.name        = "outlets",
                          .properties  = properties,
                          .features    = features,
                          .refusals    = refusals,

@@ -5,8 +5,6 @@
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
-#define OUTLETS "outlets" /* the name of the edge */
-
 /* The outside of an open face, a property of the face. */
 typedef struct {
   PetscBool on, has_level;
@@ -33,18 +31,13 @@ typedef struct {
   Cloud         cloud;    /* borrowed */
   Pressure      pressure; /* borrowed */
   PetscBool     frozen;
-  const Outlet *face[DIM][2];             /* borrowed */
-  PetscReal     gravity[DIM], density;    /* m/s2, kg/m3 */
-  PetscReal     speed;                    /* m/s, that the largest pressure outside can give */
-  PetscInt      higher;                   /* the first outlet through which liquid would enter, from 1 on; 0: none */
-  PetscBool     said;                     /* by Doubt */
-  OutletNumbers so_far;                   /* a copy of the state's */
+  const Outlet *face[DIM][2];          /* borrowed */
+  PetscReal     gravity[DIM], density; /* m/s2, kg/m3 */
+  PetscReal     speed;                 /* m/s, that the largest pressure outside can give */
+  PetscInt      higher;                /* the first outlet through which liquid would enter, from 1 on; 0: none */
+  PetscBool     said;                  /* by Doubt */
+  OutletNumbers so_far;                /* a copy of the state's */
 } Outlets;
-
-static inline Outlets *OutletsOf(Stepper stepper)
-{
-  return (Outlets *)StepEdgeData(stepper, OUTLETS);
-}
 
 /* OutletOutside - the pressure (Pa) outside a face at the foot of x (m), less what holds a surface that stands off it
    by 'gap' (m); slope: that along the face (Pa/m), or NULL. OutletsPressure - the pressure (Pa) outside the surface of
@@ -62,5 +55,6 @@ PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], 
 
 extern const LowRank   OutletTerm;   /* its context is an Outlets */
 extern const GaugeKind GaugeOutlets; /* gauge.c */
+extern const Edge      OutletEdge;
 
 #endif

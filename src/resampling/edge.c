@@ -2,8 +2,6 @@
 #include "../stepper/edge.h"
 #include "resampling_impl.h"
 
-#define NAME "resampling"
-
 /* What it has done so far. */
 typedef struct {
   PetscReal loss;          /* of kinetic energy, J */
@@ -17,10 +15,10 @@ static const NumberRow rows[] = {
   {.name = NULL},
 };
 
-static PetscErrorCode Options(Stepper stepper)
+static PetscErrorCode Options(const Step *step)
 {
   PetscFunctionBegin;
-  PetscCall(ResamplingSetFromOptions(StepperCloud(stepper), (Resampling *)StepEdgeData(stepper, NAME)));
+  PetscCall(ResamplingSetFromOptions(step->cloud, (Resampling *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -36,18 +34,18 @@ static PetscErrorCode LargestShare(Cloud cloud, PetscReal *share)
 }
 
 /* Not in a step that has lost particles: the cloud then has no fields of the step any more. */
-static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  const Resampling *resampling = (const Resampling *)StepEdgeData(stepper, NAME);
-  Resampled        *so_far     = (Resampled *)StepperNumbers(stepper, state, NAME);
+  const Resampling *resampling = (const Resampling *)step->own;
+  Resampled        *so_far     = (Resampled *)StepNumbers(step, state);
   PetscReal         largest;
   ResamplingReport  report;
 
   PetscFunctionBegin;
-  if (trial->lost > 0 || StepperDamping(stepper) < 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(LargestShare(StepperCloud(stepper), &largest));
+  if (step->trial->lost > 0 || step->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LargestShare(step->cloud, &largest));
   if (!ResamplingDue(resampling, state->step, largest)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Resample(StepperCloud(stepper), resampling, &report));
+  PetscCall(Resample(step->cloud, resampling, &report));
   so_far->loss += report.energy;
   so_far->joined += report.joined;
   so_far->split += report.split;
@@ -68,7 +66,7 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge ResamplingEdge = {.name        = NAME,
+const Edge ResamplingEdge = {.name        = "resampling",
                              .data_size   = sizeof(Resampling),
                              .number_size = sizeof(Resampled),
                              .numbers     = rows,

@@ -77,115 +77,123 @@ typedef struct {
   void (*start)(Scene scene, PetscInt body, const PetscReal x[DIM], PetscReal value[]);
 } EdgeField;
 
-/* What an edge adds to a step, in a folder or file of its own and one line of hooks.c. A hook is called if 'on' says
-   that the run has the edge; on = NULL: always. A hook that is NULL adds nothing. dt: s. All hooks but 'on' and
-   'report' are collective. */
+/* What a hook gets: the step, and what of it is the edge's own. */
 typedef struct {
+  Stepper    stepper;
+  Scene      scene;
+  Cloud      cloud;
+  Tension    tension;
+  Pressure   pressure;
+  void      *own;     /* the edge's data: data_size bytes, zero when the stepper is made */
+  PetscReal *sums;    /* its sums in the trial, zero at its start; of this rank until 'commit', then of all ranks */
+  StepTrial *trial;   /* the trial of the step; between steps the last one */
+  PetscReal  time;    /* s, at the start of the step */
+  PetscReal  dt;      /* s, the size of the step */
+  PetscReal  damping; /* the factor on velocities in each step of a relaxation; 1 in a run */
+  const struct _Edge *const *edge;    /* the edge in the list */
+  size_t                     numbers; /* where its numbers begin in a state, bytes: StepNumbers */
+} Step;
+
+/* What an edge adds to a step, in a folder or file of its own and one line of hooks.c. A hook is called if 'on' says
+   that the run has the edge; on = NULL: always. A hook that is NULL adds nothing. All hooks but 'on' and 'report' are
+   collective. */
+typedef struct _Edge {
   const char *name;
-  PetscBool (*on)(Stepper stepper);
-  /* when the stepper is made and destroyed, whether it is on or not; its data are zero before and freed after */
-  PetscErrorCode (*create)(Stepper stepper);
-  PetscErrorCode (*destroy)(Stepper stepper);
-  size_t                  data_size;   /* bytes of its data in the stepper, zero at the start: StepEdgeData */
-  size_t                  number_size; /* bytes of its numbers in a StepState, zero at the start: StepEdgeNumbers */
+  PetscBool (*on)(const Step *step);
+  /* when the stepper is made and destroyed, whether it is on or not; its data are freed after */
+  PetscErrorCode (*create)(const Step *step);
+  PetscErrorCode (*destroy)(const Step *step);
+  size_t                  data_size;   /* bytes of its data in the stepper: Step.own */
+  size_t                  number_size; /* bytes of its numbers in a StepState, zero at the start: StepNumbers */
   const NumberRow        *numbers;     /* their rows */
   NumberTable             table;       /* numbers that it keeps in the scene; no name: none */
   const struct GaugeKind *gauge;       /* its columns and tables, of gauges/columns.h; NULL: none */
   const Property         *properties;  /* options that it gives to bodies, faces, ...: see domain.h; NULL: none */
   const EdgeField        *fields;      /* NULL: none */
-  PetscInt                sums;        /* numbers that it sums in a trial: StepEdgeSums */
+  PetscInt                sums;        /* numbers that it sums in a trial: Step.sums */
   const Feature          *features;    /* NULL: none */
   const Refusal          *refusals;    /* the same */
   /* a line about what it has done so far, if anything, whether it is on or not; numbers: its own. See StepperReport */
   PetscErrorCode (*report)(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],
                            size_t length);
   /* writes what it adds into the open object of scene.json, whether it is on or not. Not collective. */
-  void (*json)(Stepper stepper, Json *json);
+  void (*json)(const Step *step, Json *json);
   /* what it is if no symmetry of a scene with it is looked for, "a free body"; NULL: nothing. Not collective. */
   const char *(*lopsided)(Scene scene);
   /* its bound of the step, as it is now, with a spacing 'scale' (1) times as large. Not collective. */
-  void (*bound)(Stepper stepper, PetscReal scale, StepBound *bound);
+  void (*bound)(const Step *step, PetscReal scale, StepBound *bound);
   /* the pressure (Pa, over that of the open air) at x (m), where no liquid is. Not collective. */
-  PetscReal (*beside)(Stepper stepper, const PetscReal x[DIM]);
+  PetscReal (*beside)(const Step *step, const PetscReal x[DIM]);
   /* whether it can bring liquid any energy, so that the scene bounds none */
-  PetscBool (*drives)(Stepper stepper);
+  PetscBool (*drives)(const Step *step);
   /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */
-  PetscReal (*speed)(Stepper stepper);
+  PetscReal (*speed)(const Step *step);
   /* see StepperFilling. Not collective. */
-  PetscReal (*filling)(Stepper stepper, PetscInt body, PetscInt *particles);
+  PetscReal (*filling)(const Step *step, PetscInt body, PetscInt *particles);
   /* fixes its boundaries while the packing relaxes (true), or releases them */
-  PetscErrorCode (*freeze)(Stepper stepper, PetscBool frozen);
+  PetscErrorCode (*freeze)(const Step *step, PetscBool frozen);
   /* opens its options blocks; called whether the edge is on or not */
-  PetscErrorCode (*options)(Stepper stepper);
-  /* --- a step; the order of these members is that of the calls, which tests/unit/test_hooks.c holds; explicit
-     viscosity calls 'drag' before 'force' --- */
+  PetscErrorCode (*options)(const Step *step);
+  /* once in each trial, after its energies are summed at the positions of the last search: adds its own */
+  PetscErrorCode (*diagnose)(const Step *step);
+  /* --- a step; the order of these members is that of the calls: StepHook refuses another --- */
 
   /* before a step: 'why' says in a sentence of at most 'length' bytes why the step cannot be made, or stays empty;
      ahead: at the start of the run, for a time dt later, of what depends on the time alone */
-  PetscErrorCode (*check)(Stepper stepper, PetscReal dt, PetscBool ahead, char why[], size_t length);
+  PetscErrorCode (*check)(const Step *step, PetscBool ahead, char why[], size_t length);
   /* keeps its state at the start of a step, for 'restore', which goes back to it before each trial */
-  PetscErrorCode (*save)(Stepper stepper);
-  PetscErrorCode (*restore)(Stepper stepper);
+  PetscErrorCode (*save)(const Step *step);
+  PetscErrorCode (*restore)(const Step *step);
   /* moves boundaries from their positions at the time 'from' to those at 'to', and gives them their velocities at 'end'
      (s); *moved: a position or velocity changed */
-  PetscErrorCode (*drift)(Stepper stepper, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
-  /* after the energies of a trial are summed, at the positions of the last search: adds its own */
-  PetscErrorCode (*diagnose)(Stepper stepper, StepTrial *trial);
+  PetscErrorCode (*drift)(const Step *step, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved);
   /* changes FIELD_VISCOSITY (Pa s) of the fluid, which its fields must name, after the shear rates have given it */
-  PetscErrorCode (*thicken)(Stepper stepper);
+  PetscErrorCode (*thicken)(const Step *step);
   /* at the positions of the sums: adds its force over the mass (m/s2) to FIELD_ACCELERATION of the fluid; not while the
      packing relaxes */
-  PetscErrorCode (*force)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  PetscErrorCode (*force)(const Step *step);
   /* at the positions of the sums, with surface tension, before the pressure of the former step acts: finds what
      surrounds the liquid */
-  PetscErrorCode (*surround)(Stepper stepper);
+  PetscErrorCode (*surround)(const Step *step);
   /* before implicit viscosity: calls ViscousHold for liquid with a given velocity; prepares 'follow' */
-  PetscErrorCode (*hold)(Stepper stepper, PetscReal dt);
+  PetscErrorCode (*hold)(const Step *step);
   /* during implicit viscosity, with the velocities u of the liquid ([n_total][3], m/s): sets u of boundaries that
      follow the liquid. own: they have their velocity at the start and the other forces on them, as the right side of
      the equation needs; else neither, as its matrix needs */
-  PetscErrorCode (*follow)(Stepper stepper, PetscBool own, PetscReal dt, PetscReal u[]);
+  PetscErrorCode (*follow)(const Step *step, PetscBool own, PetscReal u[]);
   /* after viscosity has acted, at these velocities ([n_total][3], m/s) */
-  PetscErrorCode (*drag)(Stepper stepper, PetscReal dt, const PetscReal velocity[], StepTrial *trial);
+  PetscErrorCode (*drag)(const Step *step, const PetscReal velocity[]);
   /* after all forces but the pressure: sets FIELD_VELOCITY_STAR of boundaries, ghosts too */
-  PetscErrorCode (*predict)(Stepper stepper, PetscReal dt);
+  PetscErrorCode (*predict)(const Step *step);
   /* with tension, before 'kick': the work of its pressure at the mean velocities of the step ([n_total][3], m/s, not
      yet of ghosts) */
-  PetscErrorCode (*work)(Stepper stepper, PetscReal dt, PetscReal mean[], StepTrial *trial);
+  PetscErrorCode (*work)(const Step *step, PetscReal mean[]);
   /* after the pressure has made FIELD_VELOCITY_NEW */
-  PetscErrorCode (*kick)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  PetscErrorCode (*kick)(const Step *step);
   /* --- the second half of 'drift' --- */
 
   /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.
      Not collective. */
-  PetscErrorCode (*push)(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM]);
+  PetscErrorCode (*push)(const Step *step, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM]);
   /* after all of these */
-  PetscErrorCode (*guard)(Stepper stepper, PetscReal dt, StepTrial *trial);
+  PetscErrorCode (*guard)(const Step *step);
   /* after the step has been accepted */
-  PetscErrorCode (*commit)(Stepper stepper, const StepTrial *trial, StepState *state);
+  PetscErrorCode (*commit)(const Step *step, StepState *state);
   /* see StepperBring */
-  PetscErrorCode (*bring)(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
+  PetscErrorCode (*bring)(const Step *step, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
   /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
-  PetscErrorCode (*doubt)(Stepper stepper, char text[], size_t length);
+  PetscErrorCode (*doubt)(const Step *step, char text[], size_t length);
   /* the cloud has been made anew from the stored fields, for a checkpoint or after one has been read (resumed): what
      follows must depend on these fields and the edge's numbers alone, so that a restart goes on like the run */
-  PetscErrorCode (*renew)(Stepper stepper, PetscBool resumed, StepState *state);
+  PetscErrorCode (*renew)(const Step *step, PetscBool resumed, StepState *state);
 } Edge;
 
 extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
-/* StepEdgeData - the data of an edge, by its name, in a stepper. StepEdgeSums - its sums in a trial, zero at the start;
-   of this rank until 'commit', then of all ranks. StepperCloud, StepperTension, StepperPressure - those
-   of StepperCreate. StepperTime - at the start of the step, s. StepperDamping - the factor on velocities in each step
-   of a relaxation; 1 in a run. StepperNumbers - the numbers of an edge in a state. Not collective. */
-void      *StepEdgeData(Stepper stepper, const char name[]);
-PetscReal *StepEdgeSums(Stepper stepper, const char name[]);
-void      *StepperNumbers(Stepper stepper, const StepState *state, const char name[]);
-Cloud      StepperCloud(Stepper stepper);
-Pressure   StepperPressure(Stepper stepper);
-PetscReal  StepperTime(Stepper stepper);
-PetscReal  StepperDamping(Stepper stepper);
-Tension    StepperTension(Stepper stepper);
+/* StepNumbers - the edge's numbers in a state. StepperOwn - the data of an edge, for its gauge; NULL without a stepper.
+   Not collective. */
+void *StepNumbers(const Step *step, const StepState *state);
+void *StepperOwn(Stepper stepper, const Edge *edge);
 
 /* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);

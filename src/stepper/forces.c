@@ -69,7 +69,7 @@ PetscErrorCode StepApparentViscosity(Stepper stepper)
 {
   PetscFunctionBegin;
   PetscCall(OperatorsApparentViscosity(stepper->cloud, &stepper->viscosity));
-  StepHook(stepper, thicken, stepper);
+  StepHook(stepper, thicken, &step);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,7 +107,7 @@ PetscErrorCode StepTensionWork(Stepper stepper, PetscReal dt, StepTrial *trial)
   PetscCall(CloudGetWork(cloud, DIM, &mean));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) mean[k] = 0.5 * (v[k] + v_new[k]);
   SumCapillaryWork(cloud, dt, mean, trial);
-  StepHook(stepper, work, stepper, dt, mean, trial);
+  StepHook(stepper, work, &step, mean);
   PetscCall(CloudRestoreWork(cloud, &mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,7 +142,7 @@ static PetscErrorCode SolveViscosity(Stepper stepper, PetscReal dt, const PetscR
     for (PetscInt k = 0; k < n; k++) v_star[k] += dt * kick[k];
   }
   PetscCall(ViscousSolve(stepper, dt, density, &trial->viscous));
-  StepHook(stepper, drag, stepper, dt, v_star, trial);
+  StepHook(stepper, drag, &step, v_star);
   if (split) ViscousRelease(stepper);
   if (split)
     for (PetscInt k = 0; k < n; k++) v_star[k] -= dt * kick[k];
@@ -198,25 +198,25 @@ PetscErrorCode StepForces(Stepper stepper, PetscReal dt, const PetscReal density
   if (ViscosityIsExplicit(stepper)) {
     if (!fused) PetscCall(OperatorsViscosity(cloud, &stepper->viscosity, density));
     trial->sum[SUM_VISCOUS_WORK] = KickWork(cloud, dt);
-    StepHook(stepper, drag, stepper, dt, v, trial);
   }
   DriveWork(cloud, 0.5 * dt, trial); /* StepGuard adds the other half, with the velocity at the end of the step */
   if (!stepper->relaxing) {
     AddBodyForce(cloud, acceleration);
-    StepHook(stepper, force, stepper, dt, trial);
+    StepHook(stepper, force, &step);
   }
   PressureTakeCarried(stepper->pressure, acceleration);
   PetscCall(AddTension(stepper, dt, trial));
-  StepHook(stepper, surround, stepper);
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->damping * v[k] + dt * acceleration[k];
+  StepHook(stepper, surround, &step);
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) v_star[k] = stepper->now.damping * v[k] + dt * acceleration[k];
   if (SceneFrameTurns(cloud->scene) && !stepper->relaxing) PetscCall(AddCoriolis(stepper, dt));
   PetscCall(
     PetscArraycpy(v_star + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
+  if (ViscosityIsExplicit(stepper)) StepHook(stepper, drag, &step, v);
   if (stepper->viscous.implicit)
     PetscCall(SolveViscosity(stepper, dt, density, trial));
   else
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
-  StepHook(stepper, predict, stepper, dt);
+  StepHook(stepper, predict, &step);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_FORCES), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

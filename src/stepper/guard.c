@@ -91,7 +91,7 @@ static PetscErrorCode GuardSolids(Stepper stepper, const PetscReal room[], Petsc
       v[DIM * a + d] -= inwards * n[d];
       taken[d] = cloud->volume[a] * cloud->rest_density[a] * inwards * n[d];
     }
-    StepHook(stepper, push, stepper, solid, x + DIM * a, taken);
+    StepHook(stepper, push, &step, solid, x + DIM * a, taken);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

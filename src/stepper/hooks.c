@@ -43,17 +43,17 @@ PetscErrorCode StepperParticles(Scene scene, Tension tension, Particles *particl
 PetscBool StateNumber(const StepState *state, PetscInt k, Number *number)
 {
   if (NumbersWalk(StateRows, state, &k, number)) return PETSC_TRUE;
-  for (const Edge *const *edge = StepEdges; *edge; edge++)
-    if (NumbersWalk((*edge)->numbers, StepEdgeNumbers(StepEdges, state, (*edge)->name), &k, number)) return PETSC_TRUE;
+  for (Step step = {.edge = StepEdges}; *step.edge; StepNext(&step))
+    if (NumbersWalk((*step.edge)->numbers, StepNumbers(&step, state), &k, number)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers)
 {
-  for (const Edge *const *edge = StepEdges; *edge; edge++) {
-    if (!(*edge)->table.name || k-- > 0) continue;
-    *numbers = StepEdgeNumbers(StepEdges, state, (*edge)->name);
-    return &(*edge)->table;
+  for (Step step = {.edge = StepEdges}; *step.edge; StepNext(&step)) {
+    if (!(*step.edge)->table.name || k-- > 0) continue;
+    *numbers = StepNumbers(&step, state);
+    return &(*step.edge)->table;
   }
   return NULL;
 }
@@ -78,12 +78,11 @@ PetscErrorCode StepperReport(Scene scene, const StepState *state, PetscReal copi
 {
   PetscFunctionBegin;
   text[0] = 0;
-  for (const Edge *const *edge = StepEdges; *edge; edge++) {
+  for (Step step = {.edge = StepEdges}; *step.edge; StepNext(&step)) {
     const size_t used = strlen(text);
 
-    if ((*edge)->report)
-      PetscCall((*edge)->report(scene, StepEdgeNumbers(StepEdges, state, (*edge)->name), copies, joule, text + used,
-                                length - used));
+    if ((*step.edge)->report)
+      PetscCall((*step.edge)->report(scene, StepNumbers(&step, state), copies, joule, text + used, length - used));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -109,14 +108,14 @@ static PetscErrorCode LoadFields(Stepper stepper)
 PetscErrorCode StepperBring(Stepper stepper, Packing packing, Gauges gauges, PetscBool resumed, StepState *state)
 {
   PetscFunctionBegin;
-  StepHook(stepper, bring, stepper, packing, gauges, resumed, state);
+  StepHook(stepper, bring, &step, packing, gauges, resumed, state);
   PetscCall(LoadFields(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscReal StepperFilling(Stepper stepper, PetscInt body, PetscInt *particles)
 {
-  for (const Edge *const *edge = StepEdges; *edge; edge++)
-    if ((*edge)->filling) return (*edge)->filling(stepper, body, particles);
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->filling) return (*step.edge)->filling(&step, body, particles);
   return 0;
 }

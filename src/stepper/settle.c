@@ -81,7 +81,7 @@ static PetscErrorCode Even(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(CloudBegin(cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  StepHook(stepper, surround, stepper);
+  StepHook(stepper, surround, &step);
   PetscCall(CloudGetWork(cloud, DIM, &dr));
   PetscCall(RemoveDefects(stepper, dr));
   x = cloud->field[FIELD_POSITION_NEW];
@@ -117,13 +117,13 @@ PetscErrorCode StepperSettle(Stepper stepper)
 {
   PetscFunctionBegin;
   if (!StepperSettles(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
-  StepHook(stepper, freeze, stepper, PETSC_TRUE);
+  StepHook(stepper, freeze, &step, PETSC_TRUE);
   ProgressBegin("the settling of the packing", "no step of the run was computed");
   for (PetscInt k = 0; k < ITERATIONS; k++) {
     PetscCall(ProgressWork(stepper->cloud->comm, (PetscReal)k / ITERATIONS, "iteration %" PetscInt_FMT, k));
     PetscCall(Even(stepper));
     if (k == 0) PetscCall(PressureReset(stepper->pressure)); /* its preconditioner is the lattice's, and poor */
   }
-  StepHook(stepper, freeze, stepper, PETSC_FALSE);
+  StepHook(stepper, freeze, &step, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -58,6 +58,39 @@ static size_t Room(size_t size)
   return (size + sizeof(PetscReal) - 1) / sizeof(PetscReal) * sizeof(PetscReal);
 }
 
+Step StepFirst(Stepper stepper)
+{
+  Step step = stepper->now;
+
+  step.edge = stepper->edges;
+  step.own  = stepper->edge_data;
+  step.sums = stepper->edge_sums;
+  return step;
+}
+
+void StepNext(Step *step)
+{
+  const Edge *edge = *step->edge++;
+
+  if (step->own) step->own = (char *)step->own + Room(edge->data_size);
+  if (step->sums) step->sums += edge->sums;
+  step->numbers += Room(edge->number_size);
+}
+
+void *StepNumbers(const Step *step, const StepState *state)
+{
+  return (char *)state->edge + step->numbers;
+}
+
+void *StepperOwn(Stepper stepper, const Edge *edge)
+{
+  Step step;
+
+  if (!stepper) return NULL;
+  for (step = StepFirst(stepper); *step.edge != edge;) StepNext(&step);
+  return step.own;
+}
+
 PetscErrorCode StepEdgesCreate(Stepper stepper)
 {
   size_t   data = 0, numbers = 0;
@@ -74,71 +107,33 @@ PetscErrorCode StepEdgesCreate(Stepper stepper)
   PetscCall(PetscCalloc1(data, (char **)&stepper->edge_data));
   PetscCall(PetscCalloc1(sums, &stepper->edge_sums));
   stepper->edge_sum_count = sums;
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->create) PetscCall((*edge)->create(stepper));
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->create) PetscCall((*step.edge)->create(&step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StepEdgesDestroy(Stepper stepper)
 {
   PetscFunctionBegin;
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->destroy) PetscCall((*edge)->destroy(stepper));
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->destroy) PetscCall((*step.edge)->destroy(&step));
   PetscCall(PetscFree(stepper->edge_data));
   PetscCall(PetscFree(stepper->edge_sums));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-Cloud StepperCloud(Stepper stepper)
+PetscBool StepHas(const Step *step)
 {
-  return stepper->cloud;
+  return (PetscBool)(!(*step->edge)->on || (*step->edge)->on(step));
 }
 
-Tension StepperTension(Stepper stepper)
+PetscErrorCode StepInOrder(Stepper stepper, size_t hook)
 {
-  return stepper->tension;
-}
-
-Pressure StepperPressure(Stepper stepper)
-{
-  return stepper->pressure;
-}
-
-PetscReal StepperTime(Stepper stepper)
-{
-  return stepper->time;
-}
-
-void *StepEdgeData(Stepper stepper, const char name[])
-{
-  char *at = (char *)stepper->edge_data;
-
-  for (const Edge *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++) at += Room((*edge)->data_size);
-  return at;
-}
-
-PetscReal *StepEdgeSums(Stepper stepper, const char name[])
-{
-  PetscReal *at = stepper->edge_sums;
-
-  for (const Edge *const *edge = stepper->edges; strcmp((*edge)->name, name); edge++) at += (*edge)->sums;
-  return at;
-}
-
-void *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const char name[])
-{
-  char *at = (char *)state->edge;
-
-  for (; strcmp((*edges)->name, name); edges++) at += Room((*edges)->number_size);
-  return at;
-}
-
-PetscReal StepperDamping(Stepper stepper)
-{
-  return stepper->damping;
-}
-
-void *StepperNumbers(Stepper stepper, const StepState *state, const char name[])
-{
-  return StepEdgeNumbers(stepper->edges, state, name);
+  PetscFunctionBegin;
+  if (!stepper->trying || hook == offsetof(Edge, diagnose) || hook == offsetof(Edge, drift))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(hook >= stepper->reached || hook == offsetof(Edge, restore), stepper->cloud->comm, PETSC_ERR_PLIB,
+             "A hook of a step is called in another order than that of its record, edge.h");
+  stepper->reached = hook;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,11 +32,11 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->tension  = tension;
   s->pressure = pressure;
   s->edges    = StepEdges;
+  s->now      = (Step){s, cloud->scene, cloud, tension, pressure, .trial = &s->result, .damping = 1};
   PetscCall(StepEdgesCreate(s));
   s->trial             = (TrialLimits){.displacement = 0.5, .density = 3, .energy = 2};
   s->guard             = 0.25;
   s->density_ratio_max = 2;
-  s->damping           = 1;
   PetscCall(SetScheme(s, &SchemeConsistent.choice));
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -159,8 +159,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   PetscCall(SetSchemeFromOptions(s));
   PetscCall(SetViscosityFromOptions(s));
   PetscCall(TimeStepSetFromOptions(s));
-  for (const Edge *const *edge = s->edges; *edge; edge++)
-    if ((*edge)->options) PetscCall((*edge)->options(s));
+  for (Step step = StepFirst(s); *step.edge; StepNext(&step))
+    if ((*step.edge)->options) PetscCall((*step.edge)->options(&step));
   PetscCall(SetTrialFromOptions(s));
   PetscCall(PressureSetFromOptions(s->pressure));
   s->reference_velocity = velocity = StepperReferenceVelocity(s);
@@ -184,13 +184,13 @@ PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal step)
+PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal size)
 {
   PetscFunctionBegin;
   stepper->relaxing        = relaxing;
-  stepper->damping         = relaxing ? RELAXATION_DAMPING : 1;
-  stepper->relaxation_step = relaxing ? step : 0;
-  StepHook(stepper, freeze, stepper, relaxing);
+  stepper->now.damping     = relaxing ? RELAXATION_DAMPING : 1;
+  stepper->relaxation_step = relaxing ? size : 0;
+  StepHook(stepper, freeze, &step, relaxing);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,12 +207,13 @@ PetscErrorCode StepperForesee(Stepper stepper, PetscReal start, PetscReal end)
 
   PetscFunctionBegin;
   if (end == PETSC_MAX_REAL) PetscFunctionReturn(PETSC_SUCCESS);
-  n             = SceneMoments(stepper->cloud->scene, start, end, FORESEEN / 2, moment);
-  stepper->time = start;
+  n                 = SceneMoments(stepper->cloud->scene, start, end, FORESEEN / 2, moment);
+  stepper->now.time = start;
   for (PetscInt k = 1; k <= FORESEEN / 2 && n; k++) moment[n++] = start + (end - start) * 2 * k / FORESEEN;
   PetscCall(PetscSortReal(n, moment));
   for (PetscInt k = 0; k < n; k++) {
-    StepHook(stepper, check, stepper, moment[k] - start, PETSC_TRUE, why, sizeof(why));
+    stepper->now.dt = moment[k] - start;
+    StepHook(stepper, check, &step, PETSC_TRUE, why, sizeof(why));
     PetscCheckUser(!why[0], stepper->cloud->comm, "%s, at %g s or before; another motion or an earlier -time_end helps",
                    why, (double)moment[k]);
   }
@@ -224,7 +225,7 @@ PetscErrorCode StepperReset(Stepper stepper, PetscBool resumed, StepState *state
 {
   PetscFunctionBegin;
   PetscCall(PressureReset(stepper->pressure));
-  StepHook(stepper, renew, stepper, resumed, state);
+  StepHook(stepper, renew, &step, resumed, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,8 +253,8 @@ PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM])
 {
   PetscReal pressure = 0;
 
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->beside && (!(*edge)->on || (*edge)->on(stepper))) pressure += (*edge)->beside(stepper, x);
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->beside && StepHas(&step)) pressure += (*step.edge)->beside(&step, x);
   return pressure;
 }
 
@@ -261,8 +262,8 @@ PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length)
 {
   PetscFunctionBegin;
   text[0] = 0;
-  for (const Edge *const *edge = stepper->edges; *edge && !text[0]; edge++)
-    if ((*edge)->doubt && (!(*edge)->on || (*edge)->on(stepper))) PetscCall((*edge)->doubt(stepper, text, length));
+  for (Step step = StepFirst(stepper); *step.edge && !text[0]; StepNext(&step))
+    if ((*step.edge)->doubt && StepHas(&step)) PetscCall((*step.edge)->doubt(&step, text, length));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -341,17 +342,18 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
 PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose, StepState *state, PetscBool *failed,
                               char why[], size_t length)
 {
-  Cloud     cloud = stepper->cloud;
-  StepTrial trial;
-  PetscReal dt;
-  PetscInt  iterations = 0, lost = state->lost;
+  Cloud      cloud = stepper->cloud;
+  StepTrial *trial = &stepper->result;
+  PetscReal  dt;
+  PetscInt   iterations = 0, lost = state->lost;
 
   PetscFunctionBegin;
   SceneSetTime(cloud->scene, state->time); /* the step is that of the force now, after a restart, too */
   PetscCall(StepSize(stepper, state, end, &dt));
-  stepper->first = (PetscBool)(state->step == 0);
-  stepper->time  = state->time;
-  *failed        = PETSC_TRUE;
+  stepper->first    = (PetscBool)(state->step == 0);
+  stepper->now.time = state->time;
+  stepper->now.dt   = dt;
+  *failed           = PETSC_TRUE;
   if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
     PetscCall(PetscSNPrintf(why, length,
                             "the time step has fallen to %.1e s and does not advance the time any more, because speeds "
@@ -360,20 +362,22 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   why[0] = 0;
-  StepHook(stepper, check, stepper, dt, PETSC_FALSE, why, length);
+  StepHook(stepper, check, &step, PETSC_FALSE, why, length);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  StepHook(stepper, save, stepper);
+  StepHook(stepper, save, &step);
   for (PetscInt attempt = 0; attempt <= MAX_HALVINGS; attempt++, dt *= 0.5) {
-    trial = TrialStart(stepper, diagnose);
-    StepHook(stepper, restore, stepper);
+    trial           = TrialStart(stepper, dt, diagnose);
+    stepper->trying = PETSC_TRUE;
+    StepHook(stepper, restore, &step);
     SceneSetTime(cloud->scene, state->time + stepper->force_time * dt);
     PressureSetRepair(stepper->pressure,
                       PetscMin(1, (state->step + 1) * dt / PressureRelaxationTime(stepper->pressure)));
-    PetscCall(stepper->ops->step(stepper, dt, &trial));
-    PetscCall(TrialReduce(stepper, &trial));
-    PetscCall(TrialCheck(stepper, dt, &trial, why, length));
-    iterations += trial.pressure.solver.iterations;
-    state->solver_error = trial.pressure.density;
+    PetscCall(stepper->ops->step(stepper, dt, trial));
+    stepper->trying = PETSC_FALSE;
+    PetscCall(TrialReduce(stepper, trial));
+    PetscCall(TrialCheck(stepper, dt, trial, why, length));
+    iterations += trial->pressure.solver.iterations;
+    state->solver_error = trial->pressure.density;
     *failed             = (PetscBool)(why[0] != 0);
     if (!*failed) break;
     state->rejected++;
@@ -386,23 +390,24 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   }
   if (*failed) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
-  trial.lost        = state->lost - lost;
+  trial->lost       = state->lost - lost;
   state->iterations = iterations;
-  RecordStep(&trial, dt, end, state);
-  stepper->underresolved = (PetscInt)trial.sum[SUM_UNDERRESOLVED];
-  StepHook(stepper, commit, stepper, &trial, state);
+  RecordStep(trial, dt, end, state);
+  stepper->underresolved = (PetscInt)trial->sum[SUM_UNDERRESOLVED];
+  StepHook(stepper, commit, &step, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt)
 {
-  StepTrial trial = TrialStart(stepper, PETSC_FALSE);
+  StepTrial *trial;
 
   PetscFunctionBegin;
   PetscCall(StepSize(stepper, state, PETSC_MAX_REAL, dt));
+  trial = TrialStart(stepper, *dt, PETSC_FALSE);
   PetscCall(CloudBegin(stepper->cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  PetscCall(StepForces(stepper, *dt, PressureDensity(stepper->pressure), PETSC_FALSE, &trial));
+  PetscCall(StepForces(stepper, *dt, PressureDensity(stepper->pressure), PETSC_FALSE, trial));
   PetscCall(StepDivergence(stepper, stepper->force_time * *dt));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -420,15 +425,15 @@ PetscErrorCode StepperRefresh(Stepper stepper)
 
 PetscErrorCode StepperMeasure(Stepper stepper, StepState *state)
 {
-  StepTrial trial = TrialStart(stepper, PETSC_FALSE);
+  StepTrial *trial = TrialStart(stepper, 0, PETSC_FALSE);
 
   PetscFunctionBegin;
   PetscCall(CloudBegin(stepper->cloud));
   PetscCall(StepSearch(stepper, PETSC_FALSE));
   PetscCall(StoreViscosity(stepper));
-  PetscCall(TrialDiagnose(stepper, &trial));
-  PetscCall(TrialReduce(stepper, &trial));
-  Record(&trial, state);
+  PetscCall(TrialDiagnose(stepper, trial));
+  PetscCall(TrialReduce(stepper, trial));
+  Record(trial, state);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -143,7 +143,7 @@ PetscErrorCode StepperSettle(Stepper stepper);
 PetscBool      StepperSettles(Stepper stepper);
 /* StepperSetRelaxation - relaxing: from now on steps relax the packing to rest: no body force, velocities damped before
    each step, and a fixed step (s; 0: chosen as in the run, with the scene's velocity). Not collective. */
-PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal step);
+PetscErrorCode StepperSetRelaxation(Stepper stepper, PetscBool relaxing, PetscReal size);
 /* Bounds of a time step, s; PETSC_MAX_REAL: none. viscosity: of an explicit step. viscosity_flow: the same, but a
    viscosity that varies has its value at the shear rate U/h, U the scene's velocity; implicit steps are limited in
    multiples of it, or by flow, the step of a flow without inertia, if that is longer (0: inertia counts). swing: of

@@ -70,9 +70,13 @@ struct _p_Stepper {
   const SchemeOps   *ops;
   void              *scheme;    /* data of the scheme */
   const Edge *const *edges;     /* StepEdges */
-  void              *edge_data; /* StepEdgeData */
-  PetscReal         *edge_sums; /* StepEdgeSums */
+  void              *edge_data; /* Step.own */
+  PetscReal         *edge_sums; /* Step.sums */
   PetscInt           edge_sum_count;
+  Step               now;     /* of the present or last step, of no edge */
+  StepTrial          result;  /* now.trial */
+  PetscBool          trying;  /* from 'restore' to 'guard' */
+  size_t             reached; /* the last hook of the trial, its place in an Edge */
   TimeStepLimits     limits;
   TrialLimits        trial;
   StepBounds         bounds;  /* of the last step size chosen */
@@ -83,9 +87,7 @@ struct _p_Stepper {
   PetscReal          density_ratio_max;  /* largest ratio of the densities of two bodies */
   PetscReal          reference_velocity; /* m/s */
   PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
-  PetscReal          damping;            /* factor on the velocities in each step of a relaxation */
   PetscReal          relaxation_step;    /* s; 0: as in the run */
-  PetscReal          time;               /* s, at the start of the step */
   PetscBool          first;              /* the step is the first of a run */
   PetscInt           underresolved;      /* StepperUnderresolved */
   /* chosen by the scheme at its creation */
@@ -155,17 +157,23 @@ PetscErrorCode WallGuard(Stepper stepper, PetscReal distance, PetscReal x[], Pet
 
 extern const NumberRow StateRows[]; /* of the numbers of a StepState, without those of edges */
 
-/* StepEdgesCreate, StepEdgesDestroy - of the data of all edges. StepEdgeNumbers - the numbers of an edge in a state, by
-   its name. Not collective. */
+/* StepEdgesCreate, StepEdgesDestroy - of the data of all edges. StepFirst, StepNext - the step as the first, the next
+   edge gets it; *step.edge is NULL behind the last. StepHas - whether the run has the edge. StepInOrder - that a hook
+   (its offset in an Edge) follows those before it in the step. Not collective. */
 PetscErrorCode StepEdgesCreate(Stepper stepper);
 PetscErrorCode StepEdgesDestroy(Stepper stepper);
-void          *StepEdgeNumbers(const Edge *const edges[], const StepState *state, const char name[]);
+Step           StepFirst(Stepper stepper);
+void           StepNext(Step *step);
+PetscBool      StepHas(const Step *step);
+PetscErrorCode StepInOrder(Stepper stepper, size_t hook);
 
-/* StepHook - calls a hook of all edges; further arguments are the hook's: the stepper and what follows it. */
+/* StepHook - calls a hook of all edges that the run has; further arguments are the hook's: &step and what follows it.
+ */
 #define StepHook(stepper, hook, ...)                                                                                   \
   do {                                                                                                                 \
-    for (const Edge *const *edge_ = (stepper)->edges; *edge_; edge_++)                                                 \
-      if ((*edge_)->hook && (!(*edge_)->on || (*edge_)->on(stepper))) PetscCall((*edge_)->hook(__VA_ARGS__));          \
+    PetscCall(StepInOrder(stepper, offsetof(Edge, hook)));                                                             \
+    for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))                                                  \
+      if ((*step.edge)->hook && StepHas(&step)) PetscCall((*step.edge)->hook(__VA_ARGS__));                            \
   } while (0)
 
 /* --- forces.c --- */
@@ -178,8 +186,8 @@ PetscErrorCode StepApparentViscosity(Stepper stepper);
 
 /* --- trial.c --- */
 
-/* TrialStart - a trial, and the sums of the edges, at zero. Not collective. */
-StepTrial TrialStart(Stepper stepper, PetscBool diagnose);
+/* TrialStart - a trial of a step of dt (s), and the sums of the edges, at zero; borrowed. Not collective. */
+StepTrial *TrialStart(Stepper stepper, PetscReal dt, PetscBool diagnose);
 /* TrialDiagnose - measures density error, largest density, area of the free surface and, with trial->diagnose, the
    divergence of FIELD_VELOCITY, at the positions of the last StepSearch. Not collective. */
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial);

@@ -5,7 +5,7 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   Cloud            cloud = stepper->cloud;
   PetscReal       *r     = cloud->field[FIELD_POSITION];
-  const PetscReal *v     = cloud->field[FIELD_VELOCITY];
+  const PetscReal *v = cloud->field[FIELD_VELOCITY], time = stepper->now.time;
   PetscBool        moved = PETSC_FALSE;
 
   PetscFunctionBegin;
@@ -13,7 +13,7 @@ PetscErrorCode StepDrift(Stepper stepper, PetscReal dt, StepTrial *trial)
   if (StepTooFar(stepper, trial)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_DRIFT), 0, 0, 0, 0));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) r[k] += 0.5 * dt * v[k];
-  StepHook(stepper, drift, stepper, stepper->time, stepper->time + 0.5 * dt, stepper->time + dt, &moved);
+  StepHook(stepper, drift, &step, time, time + 0.5 * dt, time + dt, &moved);
   PetscCall(CloudMoved(cloud));
   if (moved) PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
   if (moved) PetscCall(CloudFindSolidNormals(cloud));
@@ -74,7 +74,7 @@ PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial)
   PressureKeepCarried(stepper->pressure, a);
   PetscCall(CloudRestoreWork(cloud, &a));
   PetscCall(StepTensionWork(stepper, dt, trial));
-  StepHook(stepper, kick, stepper, dt, trial);
+  StepHook(stepper, kick, &step);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_KICK), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,12 +97,12 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
 {
   Cloud           cloud = stepper->cloud;
   PetscReal      *r_new = cloud->field[FIELD_POSITION_NEW], *v_new = cloud->field[FIELD_VELOCITY_NEW], largest = 0;
-  const PetscReal end   = stepper->time + dt;
+  const PetscReal end   = stepper->now.time + dt;
   PetscBool       moved = PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
-  StepHook(stepper, drift, stepper, stepper->time + 0.5 * dt, end, end, &moved);
+  StepHook(stepper, drift, &step, stepper->now.time + 0.5 * dt, end, end, &moved);
   PetscCall(WallGuard(stepper, stepper->guard * cloud->domain->spacing, r_new, v_new));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal step[DIM] = {r_new[3 * a] - from[3 * a], r_new[3 * a + 1] - from[3 * a + 1],
@@ -115,7 +115,7 @@ PetscErrorCode StepGuard(Stepper stepper, PetscReal dt, const PetscReal from[], 
   PetscCall(PetscArraycpy(cloud->field[FIELD_POSITION], r_new, DIM * cloud->n_fluid));
   PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY], v_new, DIM * cloud->n_fluid));
   DriveWork(cloud, 0.5 * dt, trial);
-  StepHook(stepper, guard, stepper, dt, trial);
+  StepHook(stepper, guard, &step);
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_GUARD), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -252,26 +252,24 @@ static StepBounds FindBounds(Stepper stepper, const PetscReal extreme[EXTREME_CO
   return bounds;
 }
 
-/* The bound of edge k, if it has one. */
-static PetscBool EdgeBound(Stepper stepper, PetscInt k, PetscReal scale, StepBound *bound)
+/* The bound of an edge; false: it has none. */
+static PetscBool EdgeBound(const Step *step, PetscReal scale, StepBound *bound)
 {
-  const Edge *edge = stepper->edges[k];
-
-  if (!edge->bound || (edge->on && !edge->on(stepper))) return PETSC_FALSE;
+  if (!(*step->edge)->bound || !StepHas(step)) return PETSC_FALSE;
   *bound = (StepBound){.step = PETSC_MAX_REAL};
-  edge->bound(stepper, scale, bound);
+  (*step->edge)->bound(step, scale, bound);
   return PETSC_TRUE;
 }
 
 /* The least bound (s) of the edges. */
 static PetscReal EdgesBound(Stepper stepper, PetscReal scale)
 {
-  PetscReal step = PETSC_MAX_REAL;
+  PetscReal least = PETSC_MAX_REAL;
   StepBound bound;
 
-  for (PetscInt k = 0; stepper->edges[k]; k++)
-    if (EdgeBound(stepper, k, scale, &bound)) step = PetscMin(step, bound.step);
-  return step;
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if (EdgeBound(&step, scale, &bound)) least = PetscMin(least, bound.step);
+  return least;
 }
 
 /* The step that all bounds but those of viscosity allow, with a spacing 'scale' times as large. */
@@ -391,7 +389,8 @@ static PetscInt ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
   PetscInt n = (PetscInt)PETSC_STATIC_ARRAY_LENGTH(listed);
 
   (void)memcpy(all, listed, sizeof(listed));
-  for (PetscInt k = 0; stepper->edges[k] && n < STEP_BOUNDS; k++) n += EdgeBound(stepper, k, 1, &all[n]);
+  for (Step step = StepFirst(stepper); *step.edge && n < STEP_BOUNDS; StepNext(&step))
+    n += EdgeBound(&step, 1, &all[n]);
   return n;
 }
 
@@ -422,8 +421,8 @@ void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
   for (PetscInt k = 0; k < listed && chosen; k++) JsonReal(json, all[k].name, all[k].step);
   if (chosen) JsonText(json, "binds", n > 0 ? rows[0].name : NULL);
   JsonEnd(json);
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->json) (*edge)->json(stepper, json);
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->json) (*step.edge)->json(&step, json);
 }
 
 PetscReal StepperReferenceVelocity(Stepper stepper)
@@ -432,8 +431,8 @@ PetscReal StepperReferenceVelocity(Stepper stepper)
   PetscReal given = 0;
 
   FindScales(stepper, &scales);
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->speed) given = PetscMax(given, (*edge)->speed(stepper));
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->speed) given = PetscMax(given, (*step.edge)->speed(&step));
   return PetscSqrtReal(scales.speed * scales.speed + given * given + scales.fall + scales.pull);
 }
 
@@ -444,8 +443,8 @@ PetscReal StepperEnergyAtHand(Stepper stepper)
   PetscReal    energy;
 
   FindScales(stepper, &scales);
-  for (const Edge *const *edge = stepper->edges; *edge; edge++)
-    if ((*edge)->drives && (*edge)->drives(stepper)) return 0;
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->drives && (*step.edge)->drives(&step)) return 0;
   energy = 0.5 * scales.speed * scales.speed + scales.capillary;
   for (PetscInt d = 0; d < domain->dim; d++) {
     if (scales.acceleration[d] > 0 && domain->face[d][0] == FACE_PERIODIC) return 0;

@@ -30,10 +30,12 @@ static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
   return (PetscBool)!BodyHolds(body, x, reach);
 }
 
-StepTrial TrialStart(Stepper stepper, PetscBool diagnose)
+StepTrial *TrialStart(Stepper stepper, PetscReal dt, PetscBool diagnose)
 {
   for (PetscInt k = 0; k < stepper->edge_sum_count; k++) stepper->edge_sums[k] = 0;
-  return (StepTrial){.diagnose = diagnose};
+  stepper->now.dt = dt;
+  stepper->result = (StepTrial){.diagnose = diagnose};
+  return &stepper->result;
 }
 
 PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
@@ -54,7 +56,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
     trial->sum[SUM_DENSITY2] += PetscSqr(ratio - 1);
     trial->sum[SUM_INSIDE]++;
   }
-  StepHook(stepper, diagnose, stepper, trial);
+  StepHook(stepper, diagnose, &step);
   if (!trial->diagnose) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &div));
   PetscCall(OperatorsDivergence(cloud, cloud->field[FIELD_VELOCITY], PETSC_TRUE, 0, div, NULL, NULL));

@@ -87,7 +87,7 @@ static PetscErrorCode Load(Stepper stepper, Vec x, PetscBool walls, PetscReal u[
       PetscArraycpy(u + DIM * cloud->n_fluid, v + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
   for (PetscInt h = 0; h < viscous->held_count; h++)
     for (PetscInt k = DIM * viscous->held[h]; k < DIM * (viscous->held[h] + 1); k++) u[k] = walls ? v[k] : 0;
-  StepHook(stepper, follow, stepper, walls, viscous->dt, u);
+  StepHook(stepper, follow, &step, walls, u);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -261,7 +261,7 @@ PetscErrorCode ViscousSolve(Stepper stepper, PetscReal dt, const PetscReal densi
   viscous->dt         = dt;
   viscous->held_count = 0;
   PetscCall(OperatorsViscosityPairs(cloud, &stepper->viscosity, density, viscous->pair));
-  StepHook(stepper, hold, stepper, dt);
+  StepHook(stepper, hold, &step);
   PetscCall(RightHandSide(stepper));
   PetscCall(
     MatAssemblyBegin(viscous->solver.A,

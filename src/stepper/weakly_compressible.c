@@ -176,7 +176,7 @@ static PetscErrorCode Predict(Stepper stepper, PetscReal dt)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++)
-    cloud->field[FIELD_VELOCITY_STAR][k] = stepper->damping * v[k] + dt * a[k];
+    cloud->field[FIELD_VELOCITY_STAR][k] = stepper->now.damping * v[k] + dt * a[k];
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_STAR));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

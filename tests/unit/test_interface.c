@@ -70,16 +70,18 @@ static PetscErrorCode TestEnergy(void)
 {
   StepTrial  trial = {.diagnose = PETSC_FALSE};
   PetscReal *mean, *sum = trial.sum;
+  Step       step;
   Stepper    stepper;
   Setup      s;
 
   PetscFunctionBegin;
   PetscCall(Open(FULL, &s));
   PetscCall(StepperCreate(s.cloud, s.tension, s.pressure, &stepper));
-  PetscCall(InterfaceEdge.diagnose(stepper, &trial));
+  step = (Step){stepper, s.scene, s.cloud, s.tension, s.pressure, .trial = &trial, .dt = 0.1};
+  PetscCall(InterfaceEdge.diagnose(&step));
   PetscCall(CloudGetWork(s.cloud, DIM, &mean));
   for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) mean[k] = s.cloud->field[FIELD_POSITION][k];
-  PetscCall(InterfaceEdge.work(stepper, 0.1, mean, &trial));
+  PetscCall(InterfaceEdge.work(&step, mean));
   PetscCall(CloudRestoreWork(s.cloud, &mean));
   CHECK_CLOSE(SetupSum(sum[SUM_SURFACE_ENERGY]) / (3 * 2 * PETSC_PI * 8), 1, 0.1, "energy_of_an_interface");
   for (PetscInt k = SUM_SURFACES + SURFACE_SUMS; k <= SUM_SURFACES_LAST; k += SURFACE_SUMS) {

@@ -27,8 +27,8 @@ static PetscErrorCode MakeStepper(Setup *s, Stepper *stepper)
 
 /* The step of a block that moves at 5 m/s, after one of 'previous' (s), with 'left' (s) to go; the particle with id 0
    is spray of 50 m/s if 'spray' says so. */
-static PetscErrorCode Step(const char options[], PetscReal previous, PetscReal left, PetscBool spray, PetscReal *dt,
-                           PetscBool *implicit)
+static PetscErrorCode StepOf(const char options[], PetscReal previous, PetscReal left, PetscBool spray, PetscReal *dt,
+                             PetscBool *implicit)
 {
   const StepState state = {.time = 3, .step = 7, .previous_time_step = previous};
   ParticleArrays  arrays;
@@ -111,7 +111,7 @@ static PetscErrorCode TestStep(void)
     PetscBool implicit = PETSC_FALSE;
     char      name[64];
 
-    PetscCall(Step(cases[k].options, cases[k].previous, cases[k].left, cases[k].spray, &dt, &implicit));
+    PetscCall(StepOf(cases[k].options, cases[k].previous, cases[k].left, cases[k].spray, &dt, &implicit));
     PetscCall(PetscSNPrintf(name, sizeof(name), "step: %s", cases[k].name));
     CHECK_CLOSE(dt / cases[k].due, 1, 1e-12, name);
     CHECK_CLOSE(implicit, cases[k].implicit, 0, name);
@@ -275,10 +275,9 @@ typedef struct {
 /* An edge that adds up what the guard takes, over the mass of a particle. */
 static PetscReal taken[DIM];
 
-static PetscErrorCode AddPush(Stepper stepper, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
+static PetscErrorCode AddPush(const Step *step, PetscInt solid, const PetscReal x[DIM], const PetscReal momentum[DIM])
 {
-  for (PetscInt d = 0; d < DIM; d++)
-    taken[d] += momentum[d] / (stepper->cloud->volume[0] * stepper->cloud->rest_density[0]);
+  for (PetscInt d = 0; d < DIM; d++) taken[d] += momentum[d] / (step->cloud->volume[0] * step->cloud->rest_density[0]);
   return PETSC_SUCCESS;
 }
 
@@ -320,7 +319,7 @@ static PetscErrorCode TestGuard(void)
       x[DIM * a + d] = c->before[d];
       v[DIM * a + d] = c->before[2 + d];
     }
-  stepper.cloud = s.cloud;
+  stepper.cloud = stepper.now.cloud = s.cloud;
   PetscCall(WallGuard(&stepper, 0.025, x, v));
   CHECK_CLOSE(SetupSum(taken[0]), -1, 1e-9, "guard_takes_momentum_x");
   CHECK_CLOSE(SetupSum(taken[1]), 1, 1e-9, "guard_takes_momentum_y");
