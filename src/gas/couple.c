@@ -367,8 +367,7 @@ static void AssembleRow(Gas *gas, Pressure pressure, PetscInt q, PetscInt end, P
   const PetscInt  n = gas->now.count, a = gas->row[q].row;
   const PetscReal kept = PressureKeptShare(pressure), s = cloud->domain->volume;
   PetscReal       slope[DIM], pull[DIM], along = 0, bent = 0;
-  const PetscReal outside =
-    kept * cloud->field[FIELD_PRESSURE][a] + (1 - kept) * PressureSurrounds(pressure, a, slope);
+  const PetscReal outside = kept * cloud->field[FIELD_PRESSURE][a] + (1 - kept) * PressureSurrounds(pressure, a, slope);
 
   PressureSlopeAcceleration(pressure, a, slope, pull);
   for (GasRow *r = gas->row + q; r < gas->row + end; r++) {

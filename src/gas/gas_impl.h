@@ -223,7 +223,6 @@ extern const LowRank GasTerm; /* its context is a Gas */
 PetscErrorCode GasFindRows(Gas *gas);
 void           GasForget(Gas *gas);
 
-extern const Edge      GasEdge;
 extern const GaugeKind GaugePockets; /* gauge.c */
 
 #endif

@@ -17,7 +17,7 @@ static const OptionRow options[] = {
 /* The gas of the run; NULL: it has none. */
 static const Gas *RunGas(Gauges gauges)
 {
-  const Gas *gas = (const Gas *)StepperOwn((Stepper)GaugesRun(gauges), &GasEdge);
+  const Gas *gas = (const Gas *)StepperOwn((Stepper)GaugesRun(gauges), &GaugePockets);
 
   return gas && gas->on ? gas : NULL;
 }

@@ -6,7 +6,7 @@
 /* The outlets of the run; NULL: it has none. */
 static const Outlets *RunOutlets(Gauges gauges)
 {
-  return (const Outlets *)StepperOwn((Stepper)GaugesRun(gauges), &OutletEdge);
+  return (const Outlets *)StepperOwn((Stepper)GaugesRun(gauges), &GaugeOutlets);
 }
 
 static PetscErrorCode Columns_Outlets(Gauges gauges, const void *data, ColumnList *list)

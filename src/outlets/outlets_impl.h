@@ -55,6 +55,5 @@ PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], 
 
 extern const LowRank   OutletTerm;   /* its context is an Outlets */
 extern const GaugeKind GaugeOutlets; /* gauge.c */
-extern const Edge      OutletEdge;
 
 #endif

@@ -190,10 +190,10 @@ typedef struct _Edge {
 
 extern const Edge *const StepEdges[]; /* in the order in which they are called; NULL at the end */
 
-/* StepNumbers - the edge's numbers in a state. StepperOwn - the data of an edge, for its gauge; NULL without a stepper.
-   Not collective. */
+/* StepNumbers - the edge's numbers in a state. StepperOwn - the data of the edge that has a gauge; NULL without a
+   stepper. Not collective. */
 void *StepNumbers(const Step *step, const StepState *state);
-void *StepperOwn(Stepper stepper, const Edge *edge);
+void *StepperOwn(Stepper stepper, const struct GaugeKind *gauge);
 
 /* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
 PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);

@@ -51,9 +51,11 @@ PetscBool StateNumber(const StepState *state, PetscInt k, Number *number)
 const NumberTable *StepperTable(const StepState *state, PetscInt k, void **numbers)
 {
   for (Step step = {.edge = StepEdges}; *step.edge; StepNext(&step)) {
-    if (!(*step.edge)->table.name || k-- > 0) continue;
+    const Edge *edge = *step.edge;
+
+    if (!edge->table.name || k-- > 0) continue;
     *numbers = StepNumbers(&step, state);
-    return &(*step.edge)->table;
+    return &edge->table;
   }
   return NULL;
 }

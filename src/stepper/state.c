@@ -82,12 +82,12 @@ void *StepNumbers(const Step *step, const StepState *state)
   return (char *)state->edge + step->numbers;
 }
 
-void *StepperOwn(Stepper stepper, const Edge *edge)
+void *StepperOwn(Stepper stepper, const struct GaugeKind *gauge)
 {
   Step step;
 
   if (!stepper) return NULL;
-  for (step = StepFirst(stepper); *step.edge != edge;) StepNext(&step);
+  for (step = StepFirst(stepper); (*step.edge)->gauge != gauge;) StepNext(&step);
   return step.own;
 }
 
