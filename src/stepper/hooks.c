@@ -3,9 +3,9 @@
 #include <string.h>
 
 extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, HeatEdge, EmitterEdge, ResamplingEdge, GasEdge,
-  OutletEdge;
-const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,     &ContactEdge, &FreeEdge,   &HeatEdge,
-                                 &EmitterEdge,   &ResamplingEdge, &GasEdge,     &OutletEdge, NULL};
+  OpeningEdge, OutletEdge;
+const Edge *const StepEdges[] = {&InterfaceEdge,  &MovingEdge, &ContactEdge, &FreeEdge,   &HeatEdge, &EmitterEdge,
+                                 &ResamplingEdge, &GasEdge,    &OpeningEdge, &OutletEdge, NULL};
 
 PetscErrorCode StepperProperties(Domain domain)
 {
