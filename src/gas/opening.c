@@ -1,11 +1,9 @@
 /* Says where liquid under tension opens without -gas. A row inside it whose neighbourhood has become incomplete is
    closed as if air were beside it, so a siphon parts at its crest, where the air of the world would not get. */
 #include "gas_impl.h"
-#include "../operators/operators.h"
 
-#define OPENING "opening" /* the name of the edge */
-#define OFTEN   4         /* times as many steps may pass without a row that opens as with one */
-#define LASTING 80        /* OFTEN for each step with one, less the others: a few heal; no reference */
+#define OFTEN   4  /* times as many steps may pass without a row that opens as with one */
+#define LASTING 80 /* OFTEN for each step with one, less the others: a few heal; no reference */
 
 typedef struct {
   PetscBool frozen, said;
@@ -17,20 +15,16 @@ typedef struct {
   PetscReal rows, surface; /* that open in this step; that are on a free surface: without one no pressure has a level */
 } OpeningSums;
 
-static Opening *OpeningOf(Stepper stepper)
+static PetscBool On(const Step *step)
 {
-  return (Opening *)StepEdgeData(stepper, OPENING);
+  return (PetscBool)(!((const Gas *)StepperOwn(step->stepper, &GaugePockets))->on &&
+                     !((const Opening *)step->own)->said);
 }
 
-static PetscBool On(Stepper stepper)
-{
-  return (PetscBool)(!GasOf(stepper)->on && !OpeningOf(stepper)->said);
-}
-
-static PetscErrorCode Freeze(Stepper stepper, PetscBool frozen)
+static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
 {
   PetscFunctionBegin;
-  OpeningOf(stepper)->frozen = frozen;
+  ((Opening *)step->own)->frozen = frozen;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,17 +50,17 @@ static PetscBool Opens(Cloud cloud, Pressure pressure, PetscInt a, PetscReal *me
   return (PetscBool)(n > 0);
 }
 
-static PetscErrorCode Surround(Stepper stepper)
+static PetscErrorCode Surround(const Step *step)
 {
-  Opening     *opening = OpeningOf(stepper);
-  const Cloud  cloud   = StepperCloud(stepper);
-  OpeningSums *sums    = (OpeningSums *)StepEdgeSums(stepper, OPENING);
+  Opening     *opening = (Opening *)step->own;
+  const Cloud  cloud   = step->cloud;
+  OpeningSums *sums    = (OpeningSums *)step->sums;
   PetscReal    mean;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid && !opening->frozen; a++) {
     sums->surface += cloud->integer[INT_SURFACE][a] == 1;
-    if (!Opens(cloud, StepperPressure(stepper), a, &mean)) continue;
+    if (!Opens(cloud, step->pressure, a, &mean)) continue;
     sums->rows++;
     if (mean >= opening->least) continue;
     opening->least = mean;
@@ -75,10 +69,10 @@ static PetscErrorCode Surround(Stepper stepper)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState *state)
+static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  Opening           *opening = OpeningOf(stepper);
-  const OpeningSums *sums    = (OpeningSums *)StepEdgeSums(stepper, OPENING);
+  Opening           *opening = (Opening *)step->own;
+  const OpeningSums *sums    = (OpeningSums *)step->sums;
 
   PetscFunctionBegin;
   opening->lasting += sums->rows > 0 && sums->surface > 0 ? OFTEN : -PetscMin(1, opening->lasting);
@@ -86,10 +80,10 @@ static PetscErrorCode Commit(Stepper stepper, const StepTrial *trial, StepState 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
+static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
-  Opening *opening = OpeningOf(stepper);
-  MPI_Comm comm    = StepperCloud(stepper)->comm;
+  Opening *opening = (Opening *)step->own;
+  MPI_Comm comm    = step->cloud->comm;
   struct {
     double least;
     int    rank;
@@ -108,7 +102,7 @@ static PetscErrorCode Doubt(Stepper stepper, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge OpeningEdge = {.name      = OPENING,
+const Edge OpeningEdge = {.name      = "opening",
                           .data_size = sizeof(Opening),
                           .sums      = sizeof(OpeningSums) / sizeof(PetscReal),
                           .on        = On,
