@@ -21,6 +21,7 @@ class Entry(NamedTuple):
     spacings  of `make convergence`, from coarse to fine; none: not part of it
     named     of the program's own parts beside its defaults: "Cahn-Hilliard", say
     ranks     processes; entries with more than one run alone
+    packings  the mean of so many is judged: of what scatters from one to the next
     """
     case: str
     label: str = ""
@@ -31,6 +32,7 @@ class Entry(NamedTuple):
     spacings: tuple = ()
     named: str = ""
     ranks: int = 1
+    packings: int = 1
 
     @property
     def id(self):
@@ -253,7 +255,7 @@ ENTRIES += [Entry("rising_bubble", f"rings, M {morton}", f"-liquid_viscosity {vi
 # the gallery: scenes for a look and to start from, each with one number that is judged; not run as printed
 COLLIDE = "-options_file cases/drop_collision/"
 ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
-            Entry("drop_collision", "off centre", COLLIDE + "off_center.opts", TEST),
+            Entry("drop_collision", "off centre", COLLIDE + "off_center.opts", TEST, packings=3),
             Entry("drop_collision", "two sizes, two liquids", COLLIDE + "unequal.opts"),
             Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS),
             Entry("sessile_drop", "rings, 0.1 mm", "-spacing 0.1e-3 -time_end 0.4", file=RINGS), Entry("thin_film"),
