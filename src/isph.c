@@ -453,7 +453,7 @@ static PetscErrorCode Initialize(int *argc, char ***argv)
   InterruptBlock();
   code = PetscInitialize(argc, argv, NULL, help);
   InterruptWatch();
-  return code;
+  return code ? code : UserErrorHandlerFirst();
 }
 
 int IsphMain(int argc, char *argv[])

@@ -139,6 +139,9 @@ void TextAppend(char text[], size_t size, const char more[]);
    option. Call once, before PetscInitialize, which reads options files. PETSc aborts when a PetscCall in main itself
    fails: let main call one function and pass its code to ErrorFinish. Not collective. */
 PetscErrorCode UserErrorHandlerPush(void);
+/* UserErrorHandlerFirst - after PetscInitialize: with -on_error_abort and its like, which act on errors, pushes the
+   handler again, so that they do not act on a UserError. Not collective. */
+PetscErrorCode UserErrorHandlerFirst(void);
 
 /* ErrorsKeep - from 'true' to 'false' errors return their code and print nothing, for a program that asks for the
    sentence: pushes the error handler, and pops it. ErrorSentence - the sentence of the last error since 'true', on rank

@@ -172,6 +172,18 @@ static PetscBool ReportMemory(const char function[], PetscErrorCode code)
   return PETSC_TRUE;
 }
 
+/* What PETSc's options ask for when an error starts. */
+typedef struct {
+  const char *option;
+  PetscErrorCode (*handler)(MPI_Comm, int, const char *, const char *, PetscErrorCode, PetscErrorType, const char *,
+                            void *);
+} Debugger;
+
+static Debugger Debuggers[] = {{"-on_error_abort", PetscAbortErrorHandler},
+                               {"-on_error_mpiabort", PetscMPIAbortErrorHandler},
+                               {"-on_error_attach_debugger", PetscAttachDebuggerErrorHandler},
+                               {"-start_in_debugger", PetscAbortErrorHandler}};
+
 /* PETSc calls this where an error starts (PETSC_ERROR_INITIAL) and again in each PetscCall on the way up, which gives
    the chain of calls. A user error does not start here, so its PetscCalls print nothing. A PetscCall in main, as in a
    test, ends the program, so the sentence is printed there. */
@@ -194,6 +206,8 @@ static PetscErrorCode UserErrorHandler(MPI_Comm comm, int line, const char *func
     (void)snprintf(LastError + used, sizeof(LastError) - used, " < %s", function);
   }
   if (!UserErrorRaised && function && !strcmp(function, "main")) Say(LastError);
+  if (context && !UserErrorRaised)
+    return ((const Debugger *)context)->handler(comm, line, function, file, code, type, message, NULL);
   return code;
 }
 
@@ -202,6 +216,18 @@ PetscErrorCode UserErrorHandlerPush(void)
   PetscFunctionBeginUser;
   PetscCall(PetscPushErrorHandler(UserErrorHandler, NULL));
   PetscCallMPI(MPI_Comm_dup(MPI_COMM_WORLD, &Meeting));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode UserErrorHandlerFirst(void)
+{
+  PetscBool asked = PETSC_FALSE;
+
+  PetscFunctionBeginUser;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(Debuggers) && !asked; k++) {
+    PetscCall(PetscOptionsHasName(NULL, NULL, Debuggers[k].option, &asked));
+    if (asked) PetscCall(PetscPushErrorHandler(UserErrorHandler, &Debuggers[k]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -159,7 +159,7 @@ static const OptionRow grading[] = {
 };
 
 static const OptionRow spacing[] = {
-  {"-spacing", "Particle spacing d0", "m", "(0, inf)", ROW_REAL, offsetof(struct _p_Domain, spacing),
+  {"-spacing", "Particle spacing d0 (resolution)", "m", "(0, inf)", ROW_REAL, offsetof(struct _p_Domain, spacing),
    .fallback = OPTION_REQUIRED},
   {"-spacing_growth",
    "Increase of the spacing per distance from what is fine; 0.05 makes less noise if the spacing grows along a free "

@@ -15,9 +15,8 @@
 
 static const OptionRow option[] = {
   {"-gas",
-   "Gas that liquid, walls and solids enclose has a pressure, p V^exponent constant; else emptiness has that of the "
-   "open "
-   "air everywhere",
+   "Gas that liquid, walls and solids enclose (bubbles) has a pressure, p V^exponent constant; else emptiness has that "
+   "of the open air everywhere",
    NULL, NULL, ROW_BOOL, offsetof(Gas, on)},
   {.name = NULL},
 };

@@ -40,7 +40,7 @@ static const OptionRow options[] = {
    offsetof(struct _p_Output, overwrite)},
   {"-series_interval", "Time between lines of series.csv; 0: every step", "s", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Output, series.interval)},
-  {"-snapshot_interval", "Time between snapshots; 0: only the first and the last state", "s", "[0, inf)", ROW_REAL,
+  {"-snapshot_interval", "Time between snapshots, for ParaView (VTKHDF); 0: only the first and the last state", "s", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Output, snapshot.interval)},
   {"-checkpoint_interval", "Time between checkpoints; 0: only at the end", "s", "[0, inf)", ROW_REAL,
    offsetof(struct _p_Output, checkpoint.interval)},

@@ -72,8 +72,7 @@ static PetscErrorCode WriteList(Sim sim, FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a text has a word in it, in any case. */
-static PetscBool Mentions(const char text[], const char word[])
+PetscBool Mentions(const char text[], const char word[])
 {
   for (; text && *text; text++)
     if (!strncasecmp(text, word, strlen(word))) return PETSC_TRUE;
@@ -86,7 +85,7 @@ static PetscErrorCode PrintHelpOn(Sim sim)
   PetscInt          n;
   const OptionNote *note  = OptionsNoted(&n);
   const char       *title = "";
-  PetscBool         any   = PETSC_FALSE;
+  PetscBool         any   = PETSC_FALSE, petsc;
   char              help[NAMES_LENGTH];
 
   PetscFunctionBegin;
@@ -104,7 +103,8 @@ static PetscErrorCode PrintHelpOn(Sim sim)
     PetscCall(PetscPrintf(sim->comm, "  %s%s%s: %s%s%s%s\n", note[k].name, note[k].value[0] ? " " : "", note[k].value,
                           help, note[k].choice[0] ? " (" : "", note[k].choice, note[k].choice[0] ? ")" : ""));
   }
-  PetscCheckUser(any, sim->comm, "-help %s: no option has that in its name or meaning; -help alone lists all",
+  PetscCall(SolversHelp(sim->word, &petsc));
+  PetscCheckUser(any || petsc, sim->comm, "-help %s: no option has that in its name or meaning; -help alone lists all",
                  sim->word);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -41,7 +41,7 @@ static const OptionRow options[] = {
   {"-steps_max", "Number of steps after which the run ends; 0: no bound", "1", "[0, inf)", ROW_INT,
    offsetof(struct _p_Sim, steps_max)},
   {"-restart",
-   "Checkpoint file to continue from, or the folder of a run, whose newest is taken; changed options are listed; "
+   "Checkpoint file to continue (resume) from, or the folder of a run, whose newest is taken; changed options are listed; "
    "spacing, box, kernel, solids and bodies must be the "
    "same, but for their viscosity",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
@@ -65,7 +65,7 @@ static const OptionRow options[] = {
 
 static const OptionRow deeds[] = {
   {RANKS_OPTION,
-   "Processes, which the program starts by mpiexec itself; a signal or Ctrl-C then ends the run with a checkpoint "
+   "Processes (MPI, parallel), which the program starts by mpiexec itself; a signal or Ctrl-C then ends the run with a checkpoint "
    "however long a step is; on the command line only",
    "1", "[1, inf)", ROW_INT, offsetof(struct _p_Sim, ranks), .fallback = "those of mpiexec, or one"},
   {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,
@@ -83,8 +83,8 @@ static const OptionRow deeds[] = {
   {DUMP_OPTION, "Write a commented options file of the scene with all options", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, dump)},
   {HELP_OPTION,
-   "Print the options that have a word in their name, meaning or group, with or without a scene; -help WORD is the "
-   "same",
+   "Print the options that have a word in their name, meaning or group, and those that PETSc's solvers read, with or "
+   "without a scene; -help WORD is the same",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, word)},
   {LIST_OPTION, "Write a list of all options, with or without a scene", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, list)},
@@ -211,6 +211,7 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
                  "-stop_at_rest looks at the lines of the series: it needs -output_dir");
   PetscCall(RestSetUp(sim));
   PetscCall(DumpOptions(sim));
+  if (help) PetscCall(SolversHelp("", &help));
   if (help) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
   if (!*stop && sim->model) {

@@ -187,5 +187,10 @@ typedef struct {
 } PetscNames;
 PetscErrorCode PetscNamesRead(PetscNames *names);
 PetscErrorCode PetscNamesDestroy(PetscNames *names);
+/* Mentions - whether a text has a word in it, in any case. Not collective. SolversHelp - prints what PETSc's solvers
+   and preconditioners read that mentions a word, or with "" what those of the pressure read, and whether there is any.
+   Collective. */
+PetscBool      Mentions(const char text[], const char word[]);
+PetscErrorCode SolversHelp(const char word[], PetscBool *any);
 
 #endif

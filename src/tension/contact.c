@@ -104,7 +104,7 @@ PetscErrorCode ContactDestroy(Tension tension)
 }
 
 static const OptionRow angles[] = {
-  {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box", "degrees",
+  {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box (wetting)", "degrees",
    "(0, 180)", ROW_REAL, offsetof(Wetting, angle)},
   {"-wall_contact_hysteresis",
    "Advancing angle less receding angle, around the contact angle; between them contact lines do not move", "degrees",

@@ -15,6 +15,7 @@ import runs  # noqa: E402
 
 JOB = os.path.join(runs.ROOT, "options", "cluster", "isph.job")
 LAUNCHER = """#!/bin/bash
+if [ "$1" = --mpi=list ]; then echo "MPI plugin types are... none pmi2 $OFFERED"; exit; fi
 while [[ $1 == --* ]]; do shift; done
 exec "$@"
 """
@@ -61,13 +62,13 @@ def lines(path):
     return words
 
 
-def submit(queue, folder, behave="true", more=()):
+def submit(queue, folder, behave="true", more=(), seconds=SECONDS, offered=""):
     """Runs the job as the queue would: (code, output, errors, arguments of the program, how it was queued again)."""
     environment = dict(runs.environment(), PATH=here + os.pathsep + os.environ["PATH"], NOTES=notes, QUEUED=queued,
-                       BEHAVE=f"folder='{folder}'; {behave}")
+                       BEHAVE=f"folder='{folder}'; {behave}", OFFERED=offered)
     words = ["bash", JOB]
     if queue == "slurm":
-        environment.update(SLURM_JOB_ID="7", SLURM_JOB_END_TIME=str(int(time.time()) + SECONDS))
+        environment.update(SLURM_JOB_ID="7", SLURM_JOB_END_TIME=str(int(time.time()) + seconds))
         words += [scene, folder, *more]
     else:
         environment.update(PBS_O_WORKDIR=here, scene=scene, folder=folder, options=" ".join(more))
@@ -93,6 +94,15 @@ with open(JOB, encoding="utf-8") as job_file:
 clock = {f"{int(h) * 3600 + int(m) * 60 + int(s)}" for h, m, s in re.findall(r"time=(\d+):(\d+):(\d+)$", job, re.M)}
 allotted = re.search(r"^seconds=(\d+)", job, re.M)[1]
 runs.check(clock == {allotted}, "one_time", f"the headers have {clock} s, the script {allotted} s")
+
+lead = re.search("^lead=([0-9]+)", job, re.M)[1]
+runs.check(f"--signal=USR1@{lead}\n" in job, "one_lead", lead)
+for offered in ("", "pmix", "pmix_v4"):
+    heard = submit("slurm", "output/mpi", 'echo "[$SLURM_MPI_TYPE]"; ' + DONE, offered=offered)[1]
+    runs.check(f"[{'pmix' if offered == 'pmix' else ''}]" in heard, f"starts_by_{offered or 'what_slurm_has'}", heard)
+code, out, err, words, put = submit("slurm", "output/short", DONE, seconds=int(lead) - 1)
+runs.check(code == 1 and not words and not put and "give it a longer --time" in err, "short_job_is_refused",
+           f"code {code}, {words}, {put}, {err}")
 
 AGAIN = {"slurm": ["scontrol", "requeue", "7"], "pbs": ["qsub", "-v", "scene,folder,options", JOB]}
 LIMIT = {"slurm": 0.9 * SECONDS, "pbs": 0.9 * int(allotted)}

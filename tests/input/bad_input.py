@@ -52,6 +52,8 @@ def checksums(folder):
 def core():
     """Options, files of them, and what is said of them."""
     refused("unknown_option", GOOD + "-gravitty 0,0,-1", ["-gravitty", "did you mean", "-gravity"])
+    for handler in ("-on_error_abort", "-on_error_mpiabort"):
+        refused("no_error_for" + handler, f"{GOOD} {handler} -gravitty 0,0,-1", ["-gravitty"])
     refused("unknown_option_parallel", GOOD + "-time_stepp 1", ["-time_stepp", "-time_step"], 2)
     for name, words in (("-spacing 0.1cP", ["is 0.1cP", "a number", "in m,", "mm, cm behind it"]),
                         ("-spacing 0.1,0.2", ["-spacing is 0.1,0.2; a number is wanted"]),
@@ -81,7 +83,7 @@ def core():
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg"),
                         ("-pc_ml_Threshold", "it belongs to -pc_type ml")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])
-    for name in ("-dt", "-x", "-quite_something_else"):
+    for name in ("-dt", "-q", "-quite_something_else"):
         process = runs.start(BOX + DROP + f"{name} 7")
         runs.check(process.returncode == 1 and name in process.stderr and "did you mean" not in process.stderr,
                    f"nothing_is_like{name}", process.stderr)

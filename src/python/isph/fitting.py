@@ -22,6 +22,7 @@ SEEDS = 5  # packings at each of the two finest spacings
 BLIND, FACTOR = 0.5, 1.0  # of the range's logarithm, and logarithm: a wider bar tells nothing
 ALIKE = 0.95  # correlation of two options that act alike
 SHIFTS = 201  # starts of the clock that are tried
+OUTLINE = "outline"  # the column of a curve that is a shape: heights of the surface over x when the run ends
 
 
 class Fitted(typing.NamedTuple):
@@ -42,12 +43,14 @@ class Fitted(typing.NamedTuple):
 
 
 class Curve:
-    """A measured curve: times (s), values, the name of its column. Numbers that are missing are left out."""
+    """A measured curve: times (s), values, the name of its column; of an outline, places (m) in place of times. Numbers
+    that are missing are left out."""
 
     def __init__(self, curve, column, rows):
         head, (self.times, self.values) = self.read(curve, column) if isinstance(curve, (str, os.PathLike)) else (
             column, np.array(curve, float).reshape(2, -1))
-        row = next((row for row in rows if head in (row["name"], row["head"])), None)
+        row = {"name": OUTLINE, "unit": "m"} if head in (OUTLINE, OUTLINE + "_m") else next(
+            (row for row in rows if head in (row["name"], row["head"])), None)
         if not row or row["name"] in ("time", "step"):
             raise Error(f"the series of this scene has no column {head}; it has "
                         f"{', '.join(row['name'] for row in rows[2:])}")
@@ -56,6 +59,18 @@ class Curve:
         order = np.argsort(self.times[there], kind="stable")
         self.times, self.values = self.times[there][order], self.values[there][order]
 
+    def needs(self, start):
+        """The options of a run that has this curve; start: how late its clock may be (s)."""
+        if self.column == OUTLINE:
+            return {"gauge_heights": tuple(self.times)}
+        return {"time_end": float(f"{self.times[-1] + start[1]:.9g}")}
+
+    def of(self, series):
+        """The same curve of a run: (times or places, values)."""
+        if self.column == OUTLINE:
+            return self.times, np.array([series[f"height_{k + 1}"][-1] for k in range(len(self.times))])
+        return series["time"], series[self.column]
+
     @staticmethod
     def read(path, column):
         try:
@@ -63,13 +78,13 @@ class Curve:
         except (OSError, ValueError) as error:
             raise Error(f"{path} is no table: {str(error).splitlines()[0]}") from error
         names = list(table.dtype.names or ())
-        clock = next((name for name in names if name in ("time", "time_s", "t")), None)
+        clock = next((name for name in names if name in ("time", "time_s", "t", "x", "x_m")), None)
         others = [name for name in names if name != clock]
         wanted = column or (others[0] if others else "")
         found = next((name for name in others if wanted in (name, name.rpartition("_")[0])), None)
-        if not clock or not found:
-            raise Error(f"{path} must have a head line with time_s (s) and {wanted or 'a column of the series'}; it "
-                        f"has {', '.join(names) or 'none'}")
+        if not clock or not found or (clock[0] == "x") != (found.startswith(OUTLINE)):
+            raise Error(f"{path} must have a head line with time_s (s) and {wanted or 'a column of the series'}, or with "
+                        f"x_m and {OUTLINE}_m; it has {', '.join(names) or 'none'}")
         return found, (np.atleast_1d(table[clock]), np.atleast_1d(table[found]))
 
 
@@ -93,7 +108,7 @@ class Model:
             name = "_".join([f"{self.spacing:.4g}", *values, *([f"seed{seed}"] if seed else [])])
             made.append(Job(self.scene, os.path.join(self.output, name), False, 1, options))
         for key, run in zip(new, together(made, self.jobs, False)):
-            self.runs[key] = (run.series["time"], run.series[self.curve.column])
+            self.runs[key] = self.curve.of(run.series)
         return [self.residual(*self.runs[key]) for key in wanted]
 
     def residual(self, times, values):
@@ -194,7 +209,10 @@ def asked(free, known, curve, start, name):
         raise Error(f"the curve has {len(curve.times)} values; {len(free)} options need at least {len(free) + 4}")
     if np.ptp(curve.values) == 0:
         raise Error("the curve is constant: it tells nothing")
-    if curve.times[0] + start[0] < known["time_start"]:
+    if curve.column == OUTLINE:
+        if known["domain"]["dimension"] == 3 or any(start):
+            raise Error("an outline is that of a scene in the plane or of rings when it ends: it has no start")
+    elif curve.times[0] + start[0] < known["time_start"]:
         raise Error(f"the curve begins at {curve.times[0] + start[0]:g} s, before the scene, at "
                     f"{known['time_start']:g} s: start=(least, most) says by how much (s) the scene's clock is ahead")
 
@@ -206,7 +224,8 @@ def fit(scene, curve, free, column=None, start=(0, 0), jobs=1, output=None, **op
         print(found); found["drop_tension"].value, found["drop_tension"].bar, found.page
 
     curve: a CSV file, its head line time_s and the name of a column of the scene's series, or (times, values), for
-    which 'column' is needed; gaps may be empty. free: for each option, at most three, the range in which it is sought.
+    which 'column' is needed; gaps may be empty. A shape is a curve, too: x_m and outline_m, or (places, heights) with
+    column="outline", are heights of the surface when the run ends. free: for each option, at most three, the range in which it is sought.
     start: the least and most by which the scene's clock is ahead of the curve's (s), which is sought, too. Coarse runs
     come first; no run is repeated. The bar has the noise of the curve, the packing and the spacing. Returns a Fit, with
     a page."""
@@ -215,7 +234,7 @@ def fit(scene, curve, free, column=None, start=(0, 0), jobs=1, output=None, **op
     rows = [row for row in known["columns"] if row["file"] == "series.csv"]
     measured = Curve(curve, column, rows)
     asked(free, known, measured, start, scene)
-    end = {"time_end": float(f"{measured.times[-1] + start[1]:.9g}"), "snapshot_interval": 0, "checkpoint_interval": 0}
+    end = {**measured.needs(start), "snapshot_interval": 0, "checkpoint_interval": 0}
     output = os.fspath(output or os.path.join("output", "python", name_of(scene), "fit"))
     models = [Model(scene, measured, free, start, {**end, **options}, factor * known["domain"]["spacing"], jobs, output)
               for factor in COARSER]
@@ -255,7 +274,7 @@ def write(found, output, scene):
         axes = figure.subplots()
         axes.plot(found.curve.times, found.curve.values, ".", color="#D55E00", label="measured")
         axes.plot(found.best[0] - found.start, found.best[1], color="#0072B2", label="computed")
-        axes.set(xlabel="t (s)", ylabel=f"{found.curve.column} ({found.curve.unit})",
+        axes.set(xlabel="x (m)" if found.curve.column == OUTLINE else "t (s)", ylabel=f"{found.curve.column} ({found.curve.unit})",
                  xlim=(found.curve.times[0], found.curve.times[-1]))
         axes.legend(frameon=False)
         kept = io.BytesIO()
