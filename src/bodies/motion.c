@@ -143,8 +143,8 @@ static const OptionRow MotionOptions[] = {
   {"-rotation_axis", "Direction of the axis of the angles in -motion_file", NULL, NULL, ROW_AXIS,
    offsetof(struct _p_Motion, axis), .fallback = "z"},
   {"-motion_file",
-   "File of lines t,x,y or t,x,y,z: displacements of the solid (paddle, wavemaker) at increasing times (s), which a smooth curve connects; "
-   "one number more is an angle (degrees) about -rotation_axis through -rotation_center",
+   "File of lines t,x,y or t,x,y,z: displacements of the solid (paddle, wavemaker) at increasing times (s), which a "
+   "smooth curve connects; one number more is an angle (degrees) about -rotation_axis through -rotation_center",
    NULL, NULL, ROW_FILE, offsetof(struct _p_Motion, file)},
   {.name = NULL},
 };

@@ -5,8 +5,8 @@ static const char *const Words[] = {"none", "surface", "curvature", "auto", NULL
 
 static const OptionRow what[] = {
   {"-spacing_follow",
-   "What the spacing follows (adaptive resolution): it is -spacing at free surfaces, or where they are curved, and grows to -spacing_coarse "
-   "away from them; auto: surface with -dimension axisymmetric, else curvature",
+   "What the spacing follows (adaptive resolution): it is -spacing at free surfaces, or where they are curved, and "
+   "grows to -spacing_coarse away from them; auto: surface with -dimension axisymmetric, else curvature",
    NULL, NULL, ROW_WORD, offsetof(Follow, what), .words = Words},
   {.name = NULL},
 };

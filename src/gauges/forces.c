@@ -10,12 +10,13 @@ typedef struct {
 
 static const OptionRow options[] = {
   {"-gauge_forces",
-   "Write to the series the force (drag, lift, buoyancy) of the liquid on each wall of the box and each solid (N), and the sum of the "
-   "capillary forces at all contact lines; the force on a free solid differs slightly from the force that moves it",
+   "Write to the series the force (drag, lift, buoyancy) of the liquid on each wall of the box and each solid (N), "
+   "and the sum of the capillary forces at all contact lines; the force on a free solid differs slightly from the "
+   "force that moves it",
    NULL, NULL, ROW_BOOL, offsetof(Forces, forces)},
   {"-gauge_moments",
-   "Write to the series the moment (torque) of the liquid's pressure and friction about this point on each wall of the box and "
-   "each solid, in two dimensions about z",
+   "Write to the series the moment (torque) of the liquid's pressure and friction about this point on each wall of "
+   "the box and each solid, in two dimensions about z",
    "m", NULL, ROW_NUMBERS, offsetof(Forces, about), .fallback = "none", .most = DIM},
   {.name = NULL},
 };

@@ -3,8 +3,8 @@
 
 static const OptionRow options[] = {
   {"-gauge_points",
-   "Points (probes) x,y,z,x,y,z,... (in two dimensions x,y,x,y,...) whose pressure and velocity are written to the series; in "
-   "open air the pressure is 0, in a pocket of gas its own, inside a moving solid nan",
+   "Points (probes) x,y,z,x,y,z,... (in two dimensions x,y,x,y,...) whose pressure and velocity are written to the "
+   "series; in open air the pressure is 0, in a pocket of gas its own, inside a moving solid nan",
    "m", NULL, ROW_NUMBERS, 0, .fallback = "none", .most = (GAUGE_PLACES_MOST + 1) * DIM},
   {.name = NULL},
 };

@@ -49,7 +49,8 @@ static const OptionRow shaped[] = {
 };
 
 static const OptionRow typed[] = {
-  {"-type", "Type of the body: an emitter is an inflow", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Body, type), .choices = BodyTypes},
+  {"-type", "Type of the body; an emitter is an inflow", NULL, NULL, ROW_CHOICE, offsetof(struct _p_Body, type),
+   .choices = BodyTypes},
   {.name = NULL},
 };
 

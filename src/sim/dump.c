@@ -72,13 +72,6 @@ static PetscErrorCode WriteList(Sim sim, FILE *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool Mentions(const char text[], const char word[])
-{
-  for (; text && *text; text++)
-    if (!strncasecmp(text, word, strlen(word))) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* -help WORD: the options that have it in name, meaning, group or choice. */
 static PetscErrorCode PrintHelpOn(Sim sim)
 {

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define NAME_LEAST 4 /* characters of a name in the library; shorter strings are mostly chance */
 
@@ -144,6 +145,13 @@ static PetscBool IsNew(const char line[])
   for (const char *before = Told; before < line; before += strcspn(before, "\n") + 1)
     if (!strncmp(before, line, length)) return PETSC_FALSE;
   return PETSC_TRUE;
+}
+
+PetscBool Mentions(const char text[], const char word[])
+{
+  for (; text && *text; text++)
+    if (!strncasecmp(text, word, strlen(word))) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscErrorCode SolversHelp(const char word[], PetscBool *any)

@@ -41,7 +41,8 @@ static const OptionRow options[] = {
   {"-steps_max", "Number of steps after which the run ends; 0: no bound", "1", "[0, inf)", ROW_INT,
    offsetof(struct _p_Sim, steps_max)},
   {"-restart",
-   "Checkpoint file to continue (resume) from, or the folder of a run, whose newest is taken; changed options are listed; "
+   "Checkpoint file to continue (resume) from, or the folder of a run, whose newest is taken; changed options are "
+   "listed; "
    "spacing, box, kernel, solids and bodies must be the "
    "same, but for their viscosity",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
@@ -65,7 +66,8 @@ static const OptionRow options[] = {
 
 static const OptionRow deeds[] = {
   {RANKS_OPTION,
-   "Processes (MPI, parallel), which the program starts by mpiexec itself; a signal or Ctrl-C then ends the run with a checkpoint "
+   "Processes (MPI, parallel), which the program starts by mpiexec itself; a signal or Ctrl-C then ends the run with a "
+   "checkpoint "
    "however long a step is; on the command line only",
    "1", "[1, inf)", ROW_INT, offsetof(struct _p_Sim, ranks), .fallback = "those of mpiexec, or one"},
   {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,

@@ -104,8 +104,8 @@ PetscErrorCode ContactDestroy(Tension tension)
 }
 
 static const OptionRow angles[] = {
-  {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box (wetting)", "degrees",
-   "(0, 180)", ROW_REAL, offsetof(Wetting, angle)},
+  {"-wall_contact_angle", "Angle in the liquid at which the free surface meets the walls of the box (wetting)",
+   "degrees", "(0, 180)", ROW_REAL, offsetof(Wetting, angle)},
   {"-wall_contact_hysteresis",
    "Advancing angle less receding angle, around the contact angle; between them contact lines do not move", "degrees",
    "[0, 180)", ROW_REAL, offsetof(Wetting, hysteresis)},

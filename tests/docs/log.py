@@ -84,14 +84,15 @@ names = re.findall(r"^  (-\S+)", text, re.M)
 runs.check("-wall_contact_hysteresis" in names and "-<body>_contact_hysteresis" in names and
            len(text.splitlines()) < 20 and "Petsc" not in text, "help_on_a_word", text[:600])
 SYNONYMS = {"torque": "-gauge_moments", "drag": "-gauge_forces", "buoyancy": "-gauge_forces", "probe": "-gauge_points",
-            "wetting": "-wall_contact_angle", "resolution": "-spacing", "adaptive": "-spacing_follow", "inflow": "_type",
-            "vtk": "-snapshot_interval", "parallel": "-ranks", "resume": "-restart", "bubble": "-gas",
+            "wetting": "-wall_contact_angle", "resolution": "-spacing", "adaptive": "-spacing_follow",
+            "inflow": "_type", "vtk": "-snapshot_i", "parallel": "-ranks", "resume": "-restart", "bubble": "-gas",
             "paddle": "_motion_file", "gamg": "-pc_gamg_threshold", "ksp_rtol": "  -ksp_rtol", "sor": "-pc_sor_omega"}
 for word, option in SYNONYMS.items():
     text = runs.start(f"-help {word}").stdout
     runs.check(option in text and text.count("\n  -pc_type ") < 2, f"help_on_{word}", text[:600])
 text = runs.start("-help -pc_type sor").stdout
-runs.check("-ksp_rtol" in text and "-pc_sor_omega" in text and "-pc_gamg" not in text, "help_on_the_solver", text[-600:])
+runs.check("-ksp_rtol" in text and "-pc_sor_omega" in text and "-pc_gamg" not in text, "help_on_the_solver",
+           text[-600:])
 text = runs.start("-help_on rewrites -dry_run")
 runs.check(text.returncode and "no option has that" in text.stderr, "help_on_nothing", text.stderr)
 meaning = runs.start(["-help", "body force"]).stdout

@@ -83,8 +83,8 @@ class Curve:
         wanted = column or (others[0] if others else "")
         found = next((name for name in others if wanted in (name, name.rpartition("_")[0])), None)
         if not clock or not found or (clock[0] == "x") != (found.startswith(OUTLINE)):
-            raise Error(f"{path} must have a head line with time_s (s) and {wanted or 'a column of the series'}, or with "
-                        f"x_m and {OUTLINE}_m; it has {', '.join(names) or 'none'}")
+            raise Error(f"{path} must have a head line with time_s (s) and {wanted or 'a column of the series'}, or "
+                        f"with x_m and {OUTLINE}_m; it has {', '.join(names) or 'none'}")
         return found, (np.atleast_1d(table[clock]), np.atleast_1d(table[found]))
 
 
@@ -225,7 +225,8 @@ def fit(scene, curve, free, column=None, start=(0, 0), jobs=1, output=None, **op
 
     curve: a CSV file, its head line time_s and the name of a column of the scene's series, or (times, values), for
     which 'column' is needed; gaps may be empty. A shape is a curve, too: x_m and outline_m, or (places, heights) with
-    column="outline", are heights of the surface when the run ends. free: for each option, at most three, the range in which it is sought.
+    column="outline", are heights of the surface when the run ends. free: for each option, at most three, the
+    range in which it is sought.
     start: the least and most by which the scene's clock is ahead of the curve's (s), which is sought, too. Coarse runs
     come first; no run is repeated. The bar has the noise of the curve, the packing and the spacing. Returns a Fit, with
     a page."""
@@ -274,7 +275,8 @@ def write(found, output, scene):
         axes = figure.subplots()
         axes.plot(found.curve.times, found.curve.values, ".", color="#D55E00", label="measured")
         axes.plot(found.best[0] - found.start, found.best[1], color="#0072B2", label="computed")
-        axes.set(xlabel="x (m)" if found.curve.column == OUTLINE else "t (s)", ylabel=f"{found.curve.column} ({found.curve.unit})",
+        axes.set(xlabel="x (m)" if found.curve.column == OUTLINE else "t (s)",
+                 ylabel=f"{found.curve.column} ({found.curve.unit})",
                  xlim=(found.curve.times[0], found.curve.times[-1]))
         axes.legend(frameon=False)
         kept = io.BytesIO()
