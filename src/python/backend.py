@@ -1,5 +1,5 @@
-"""pip install . : builds the program and its library with make, and packs what make install installs as a wheel. It
-needs what make needs and no network (PEP 517; pyproject.toml names it)."""
+"""pip install src/python: builds the program and its library with make, and packs what make install installs as a
+wheel. It needs what make needs and no network (PEP 517; pyproject.toml names it)."""
 import base64
 import hashlib
 import os

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""pip install . without a network gives program, library and Python. make deb: the package has what make install
+"""pip install src/python without a network gives program, library and Python. make deb: the package has what make install
 installs, names the libraries that it needs, and unpacked its program, its Python and its library work; CITATION.cff has
 the program's version. Skipped without dpkg-dev."""
 import glob
@@ -31,7 +31,8 @@ with open(os.path.join(runs.ROOT, "options", "CITATION.cff"), encoding="utf-8") 
     runs.check(f"\nversion: {version}\n" in file.read(), "version_of_the_citation", version)
 if importlib.util.find_spec("pip"):
     there = runs.scratch("pip")
-    made = output(sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--target", there, runs.ROOT)
+    made = output(sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--target", there,
+                  os.path.join(runs.ROOT, "src", "python"))
     found = {name: value for name, value in runs.environment().items() if name not in ("ISPH", "ISPH_LIBRARY")}
     done = output(sys.executable, "-c", USE.format(root=there), cwd=runs.scratch(""), env=dict(found, PYTHONPATH=there))
     runs.check(made.returncode == 0 and done.stdout.split() == ["2.0", f"{there}/bin/isph", "1", "True"], "pip_install",
