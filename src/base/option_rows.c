@@ -533,14 +533,35 @@ static void WriteWords(Json *json, const OptionRow *row)
   JsonEnd(json);
 }
 
+/* The choices that have the option of note k, one behind the other; false: an earlier note has told it. */
+static PetscBool AllChoices(PetscInt k, char text[OPTION_TEXT_LENGTH])
+{
+  const OptionNote *one = &Notes.note[k];
+
+  text[0] = 0;
+  for (PetscInt j = 0; j < Notes.n; j++) {
+    const OptionNote *other = &Notes.note[j];
+
+    if (strcmp(one->name, other->name) || strcmp(one->row.text, other->row.text) ||
+        (!one->row.fallback && strcmp(one->standard, other->standard)))
+      continue;
+    if (j < k) return PETSC_FALSE;
+    TextAppend(text, OPTION_TEXT_LENGTH, text[0] ? ", " : "");
+    TextAppend(text, OPTION_TEXT_LENGTH, other->choice);
+  }
+  return PETSC_TRUE;
+}
+
 PetscErrorCode OptionsJson(Json *json, PetscBool scene)
 {
+  char choices[OPTION_TEXT_LENGTH];
+
   PetscFunctionBegin;
   JsonArray(json, "options");
   for (PetscInt k = 0; k < Notes.n; k++) {
     const OptionNote *note = &Notes.note[k];
 
-    if (scene ? !note->read : note->owner[0] && !strchr(note->name, '<')) continue;
+    if (scene ? !note->read : !AllChoices(k, choices) || (note->owner[0] && !strchr(note->name, '<'))) continue;
     JsonObject(json, NULL);
     JsonText(json, "name", note->name);
     JsonText(json, "owner", note->owner);
@@ -554,7 +575,7 @@ PetscErrorCode OptionsJson(Json *json, PetscBool scene)
       JsonText(json, "range", note->row.interval);
       if (note->row.words || note->row.choices) WriteWords(json, &note->row);
       JsonText(json, "default", note->row.fallback ? note->row.fallback : note->standard);
-      JsonText(json, "choice", note->choice);
+      JsonText(json, "choice", choices);
       JsonText(json, "group", note->title);
       JsonText(json, "place", note->place);
     }

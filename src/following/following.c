@@ -11,12 +11,6 @@ static const OptionRow what[] = {
   {.name = NULL},
 };
 static const OptionRow how[] = {
-  {"-spacing_curvature",
-   "With -spacing_follow curvature: particles along the radius of curvature, which is 1 over the sum of the magnitudes "
-   "of both principal curvatures",
-   "1", "[1, 100]", ROW_REAL, offsetof(Follow, per_radius)},
-  {"-spacing_band", "Distance from the surface over which the spacing does not grow, in units of -spacing", "1",
-   "[0, 20]", ROW_REAL, offsetof(Follow, band)},
   {"-particles_most",
    "Particles of liquid that the spacing may ask for; more, and it is coarser everywhere; 0: no bound", "1", "[0, inf)",
    ROW_INT, offsetof(Follow, particles_most)},
@@ -25,7 +19,7 @@ static const OptionRow how[] = {
 
 static PetscErrorCode SetFromOptions(Domain domain)
 {
-  Follow follow = {.band = 4, .per_radius = 4}; /* a drop of eight spacings across is fine all over */
+  Follow follow = {FOLLOW_NONE};
 
   PetscFunctionBegin;
   PetscOptionsBegin(domain->comm, NULL, "Spacing that follows the liquid", "Following");

@@ -15,9 +15,8 @@ typedef struct {
 typedef struct {
   /* all free surfaces, or where they are curved; auto is replaced by one of these */
   enum { FOLLOW_NONE, FOLLOW_SURFACE, FOLLOW_CURVATURE, FOLLOW_AUTO } what;
-  PetscReal band, per_radius; /* spacings around a free surface; spacings per radius of curvature, 1 */
-  PetscInt  particles_most;   /* of all ranks: a target that needs more is made coarser; 0: no bound */
-  Target    target;
+  PetscInt particles_most; /* of all ranks: a target that needs more is made coarser; 0: no bound */
+  Target   target;
 } Follow;
 
 extern const Adaptive FollowingAdaptive;
@@ -42,7 +41,7 @@ PetscReal      TargetAt(Domain domain, const PetscReal x[DIM]);
 
 /* TargetClear forgets the sources. TargetSolids adds solids, where they are now, and emitters; the ranks share the
    cells. TargetSpread finishes the target; only the sources of this rank need to have been added. TargetFilled ends
-   TargetFill. Collective. TargetAdd - adds a source at x (m), whose spacing (m) holds over -spacing_band around it; a
+   TargetFill. Collective. TargetAdd - adds a source at x (m), whose spacing (m) holds over BAND around it; a
    source that wants hardly less than the coarse spacing counts for nothing. TargetFill - tells that there is liquid at
    x (m), a particle of this spacing (m). TargetSpacing - after TargetFilled, the spacing (m) wanted at a point x (m) of
    the liquid's surface with this sum of the magnitudes of the principal curvatures (1/m); into: unit vector into the

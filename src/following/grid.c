@@ -4,6 +4,10 @@
    near a pool makes the pool fine before they touch. */
 #include "following_impl.h"
 
+#define BAND 4. /* fine spacings from a free surface over which the spacing does not grow; no reference */
+/* Spacings along the radius of curvature, 1 over the sum of the magnitudes of both principal curvatures: a drop of
+   eight spacings across is fine all over. */
+#define PER_RADIUS   4.
 #define CELL         2.      /* fine spacings, least width of a cell */
 #define CELLS_MOST   2000000 /* wider cells keep to this number; each rank has all of them */
 #define CELL_GROWTH  1.1     /* factor by which they widen */
@@ -65,9 +69,9 @@ PetscErrorCode TargetClear(Scene scene)
 void TargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
 {
   const Domain    domain = SceneDomain(scene);
-  const Follow   *follow = FollowOf(domain);
-  const PetscReal within = domain->growth * (follow->band * domain->spacing);
-  float          *value  = &follow->target.value[CellOf(&follow->target, x)];
+  Target         *target = TargetOf(scene);
+  const PetscReal within = domain->growth * (BAND * domain->spacing);
+  float          *value  = &target->value[CellOf(target, x)];
 
   if (spacing < domain->spacing_coarse - within) *value = PetscMin(*value, (float)(spacing - within));
 }
@@ -124,7 +128,7 @@ PetscReal TargetSpacing(Scene scene, const PetscReal x[DIM], const PetscReal int
   PetscReal       spacing;
 
   if (FollowOf(domain)->what == FOLLOW_SURFACE) return domain->spacing;
-  spacing = PetscMin(coarse, 1 / (FollowOf(domain)->per_radius * (PetscAbsReal(curvature) + PETSC_SMALL)));
+  spacing = PetscMin(coarse, 1 / (PER_RADIUS * (PetscAbsReal(curvature) + PETSC_SMALL)));
   spacing = PetscMin(spacing, Thickness(scene, x, into, ACROSS * coarse) / ACROSS);
   return PetscMax(domain->spacing, spacing);
 }

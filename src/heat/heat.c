@@ -10,7 +10,7 @@ static const OptionRow of_bodies[] = {
   {.name = NULL},
 };
 
-#define WATER_CAPACITY 4184. /* J/(kg K), at 20 degrees Celsius */
+#define WATER_CAPACITY 4184. /* J/(kg K), as water has at 20 degrees Celsius */
 
 static void Defaults(void *data)
 {

@@ -35,8 +35,6 @@ PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles 
 }
 
 static const OptionRow options[] = {
-  {"-halo_slack", "Distance that particles may move before the ghosts are chosen again", "spacings", "[0.1, 20]",
-   ROW_REAL, offsetof(struct _p_Cloud, slack)},
   {"-sort_interval", "Steps between two sorts of the particles along the cells", "1", "[1, inf)", ROW_INT,
    offsetof(struct _p_Cloud, sort_interval)},
   {.name = NULL},
@@ -45,9 +43,7 @@ static const OptionRow options[] = {
 PetscErrorCode CloudSetFromOptions(Cloud cloud)
 {
   PetscFunctionBegin;
-  cloud->slack /= cloud->domain->spacing_coarse; /* in spacings, for the user */
   PetscCall(OptionsReadBlock(cloud->comm, "Neighbours and domain decomposition", options, __func__, cloud));
-  cloud->slack *= cloud->domain->spacing_coarse;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -91,7 +91,7 @@ typedef struct _p_Cloud {
    support of any operator (m), at size 1. Collective. */
 PetscErrorCode CloudCreate(Domain domain, Scene scene, Kernel kernel, Particles particles, PetscReal reach,
                            Cloud *cloud);
-/* CloudSetFromOptions - -halo_slack (in spacings), -sort_interval. Collective. */
+/* CloudSetFromOptions - -sort_interval. Collective. */
 PetscErrorCode CloudSetFromOptions(Cloud cloud);
 PetscErrorCode CloudDestroy(Cloud *cloud);
 /* CloudIdentity - the lines of SceneIdentity and those of the kernel, which must be equal for the use of a checkpoint

@@ -83,8 +83,6 @@ PetscReal PressureRelaxationTime(Pressure pressure)
   return pressure->relaxation_time;
 }
 
-static const char *const Divisors[] = {"rest", "summed", NULL};
-
 static const OptionRow types[] = {
   {"-pressure_source", "What the pressure must remove", NULL, NULL, ROW_CHOICE,
    offsetof(struct _p_Pressure, source_type), .choices = Sources},
@@ -92,8 +90,6 @@ static const OptionRow types[] = {
    offsetof(struct _p_Pressure, closure_type), .choices = Closures},
   {"-pressure_gradient", "Form of the pressure gradient", NULL, NULL, ROW_CHOICE,
    offsetof(struct _p_Pressure, gradient_type), .choices = Gradients},
-  {"-pressure_density", "Density by which the operators divide", NULL, NULL, ROW_WORD,
-   offsetof(struct _p_Pressure, summed), .words = Divisors},
   {.name = NULL},
 };
 

@@ -6,8 +6,8 @@ typedef struct {
 } Box;
 
 static const OptionRow options[] = {
-  {"-lower", "Lower corner of a box", "m", NULL, ROW_POINT, offsetof(Box, lower), .fallback = "-box_lower"},
-  {"-upper", "Upper corner of a box", "m", NULL, ROW_POINT, offsetof(Box, upper), .fallback = "-box_upper"},
+  ROW_OF_LOWER(Box),
+  ROW_OF_UPPER(Box),
   {.name = NULL},
 };
 

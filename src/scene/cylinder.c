@@ -11,9 +11,8 @@ typedef struct {
 } Cylinder;
 
 static const OptionRow options[] = {
-  {"-center", "Center of a cylinder", "m", NULL, ROW_POINT, offsetof(Cylinder, center)},
-  {"-radius", "Radius of a cylinder", "m", "(0, inf)", ROW_REAL, offsetof(Cylinder, radius),
-   .fallback = OPTION_REQUIRED},
+  ROW_OF_CENTER(Cylinder),
+  ROW_OF_RADIUS(Cylinder),
   {"-axis", "Axis of a cylinder: x, y, z or a vector", NULL, NULL, ROW_NORMAL, offsetof(Cylinder, axis)},
   {"-height", "Height of a cylinder, half of it on either side of the center; 0: infinite", "m", "[0, inf)", ROW_REAL,
    offsetof(Cylinder, height)},

@@ -9,7 +9,7 @@ typedef struct {
 } Ellipsoid;
 
 static const OptionRow options[] = {
-  {"-center", "Center of an ellipsoid", "m", NULL, ROW_POINT, offsetof(Ellipsoid, center)},
+  ROW_OF_CENTER(Ellipsoid),
   {"-radii", "Radii of an ellipsoid along x, y, z", "m", NULL, ROW_POINT, offsetof(Ellipsoid, radii),
    .fallback = OPTION_REQUIRED},
   {.name = NULL},

@@ -118,4 +118,34 @@ PetscErrorCode BodyCheckShape(Body body);
 PetscErrorCode BodyCheckInside(Body body);
 PetscErrorCode SceneCheckOverlap(Scene scene);
 
+/* Rows that several shapes have; 'type' is the struct of the shape. */
+#define ROW_OF_CENTER(type)                                                                                            \
+  {                                                                                                                    \
+    "-center",                                                                                                         \
+      "Center of a sphere, a cylinder or an ellipsoid; of a thread a point on its axis at a crest of its waves", "m",  \
+      NULL, ROW_POINT, offsetof(type, center)                                                                          \
+  }
+#define ROW_OF_RADIUS(type)                                                                                            \
+  {                                                                                                                    \
+    "-radius", "Radius of a sphere, a cylinder or a thread", "m", "(0, inf)", ROW_REAL, offsetof(type, radius),        \
+      .fallback = OPTION_REQUIRED                                                                                      \
+  }
+#define ROW_OF_LOWER(type)                                                                                             \
+  {                                                                                                                    \
+    "-lower", "Lower corner of a box, or of the box of a wave", "m", NULL, ROW_POINT, offsetof(type, lower),           \
+      .fallback = "-box_lower"                                                                                         \
+  }
+#define ROW_OF_UPPER(type)                                                                                             \
+  {                                                                                                                    \
+    "-upper", "Upper corner of a box, or of the box of a wave, whose last number is the mean level", "m", NULL,        \
+      ROW_POINT, offsetof(type, upper), .fallback = "-box_upper"                                                       \
+  }
+#define ROW_OF_AMPLITUDE(type)                                                                                         \
+  {                                                                                                                    \
+    "-wave_amplitude",                                                                                                 \
+      "Amplitude of a wave on a sphere, outwards at the upper pole, which conserves the volume; or of the waves on "   \
+      "the radius of a thread",                                                                                        \
+      "m", NULL, ROW_REAL, offsetof(type, amplitude)                                                                   \
+  }
+
 #endif

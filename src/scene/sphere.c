@@ -17,10 +17,9 @@ typedef struct {
 } Sphere;
 
 static const OptionRow options[] = {
-  {"-center", "Center of a sphere", "m", NULL, ROW_POINT, offsetof(Sphere, center)},
-  {"-radius", "Radius of a sphere", "m", "(0, inf)", ROW_REAL, offsetof(Sphere, radius), .fallback = OPTION_REQUIRED},
-  {"-wave_amplitude", "Amplitude of a wave on a sphere, outwards at the upper pole; it conserves the volume", "m", NULL,
-   ROW_REAL, offsetof(Sphere, amplitude)},
+  ROW_OF_CENTER(Sphere),
+  ROW_OF_RADIUS(Sphere),
+  ROW_OF_AMPLITUDE(Sphere),
   {"-wave_mode", "Mode n of that wave, P_n(cos theta), theta from the vertical: 2 is a spheroid", "1", "[2, 6]",
    ROW_INT, offsetof(Sphere, mode)},
   {.name = NULL},

@@ -23,10 +23,10 @@ static void Bessel(PetscReal x, PetscReal *I0, PetscReal *I1_over_x)
 }
 
 static const OptionRow options[] = {
-  {"-center", "Point on the axis at a crest of the thread's waves", "m", NULL, ROW_POINT, offsetof(Thread, center)},
-  {"-radius", "Radius of a thread", "m", "(0, inf)", ROW_REAL, offsetof(Thread, radius), .fallback = OPTION_REQUIRED},
+  ROW_OF_CENTER(Thread),
+  ROW_OF_RADIUS(Thread),
   {"-axis", "Axis of a thread: x, y, z or a vector", NULL, NULL, ROW_AXIS, offsetof(Thread, axis)},
-  {"-wave_amplitude", "Amplitude of the waves on a thread's radius", "m", NULL, ROW_REAL, offsetof(Thread, amplitude)},
+  ROW_OF_AMPLITUDE(Thread),
   {"-wave_length", "Length of the waves along a thread", "m", "(0, inf)", ROW_REAL, offsetof(Thread, wave_length),
    .fallback = OPTION_REQUIRED},
   {.name = NULL},

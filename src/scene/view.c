@@ -3,7 +3,7 @@
 #include "scene_impl.h"
 #include <string.h>
 
-#define ALONG 0.9 /* of an emitter's speed: a direction along which its liquid leaves is no thickness */
+#define ALONG        0.9  /* of an emitter's speed: a direction along which its liquid leaves is no thickness */
 #define BODY_SAMPLES 5    /* points a direction at which a body's velocity and body force are sampled */
 #define CUT          1e-6 /* spacings between two bodies that are one, cut in two */
 #define ACROSS_MIN   6    /* spacings across a body: fewer hardly resolve its flow */

@@ -6,7 +6,7 @@
 #define WAVE_SAMPLES  64                 /* of half a wave; the nearest sample brackets the nearest point */
 #define BISECTIONS    60                 /* to the nearest point, exact to the last bit */
 #define WAVE_ROUNDING 1e-6               /* of a half wave, for the rounding of decimal input */
-#define FIRST_ZERO    3.8317059702075125 /* of J1 */
+#define FIRST_ZERO    3.8317059702075125 /* of J1: the first j with J1(j) = 0 */
 #define RING_HEIGHT   2                  /* amplitudes above the level: an upper bound of the crests */
 #define STEEPNESS_MAX 0.5                /* of k a: the expansion to second order describes no steeper wave */
 
@@ -21,9 +21,8 @@ typedef struct {
 } Wave;
 
 static const OptionRow options[] = {
-  {"-lower", "Lower corner of a wave's box", "m", NULL, ROW_POINT, offsetof(Wave, lower), .fallback = "-box_lower"},
-  {"-upper", "Upper corner of a wave's box, whose last number is the mean level", "m", NULL, ROW_POINT,
-   offsetof(Wave, upper), .fallback = "-box_upper"},
+  ROW_OF_LOWER(Wave),
+  ROW_OF_UPPER(Wave),
   {"-wave_amplitude", "Amplitude of the wave, if positive with a crest at the lower x", "m", NULL, ROW_REAL,
    offsetof(Wave, amplitude), .fallback = OPTION_REQUIRED},
   {"-wave_length", "Length of the wave along x", "m", "(0, inf)", ROW_REAL, offsetof(Wave, length),

@@ -14,7 +14,7 @@
 #define PICTURE      800.0 /* pixels, the larger side */
 #define SLAB         0.75  /* spacings to both sides of the middle of a scene in three dimensions */
 #define CHANGED      0.02  /* of the liquid's particles, of which a change is said */
-#define MEGABYTE     1e6
+#define MEGABYTE     1e6   /* has so many bytes */
 
 /* Okabe and Ito's colours, told apart by colour-blind eyes too */
 static const char *const colors[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"};

@@ -17,7 +17,7 @@
 #define SEED         1
 #define MOMENTS      16                  /* at golden-ratio distances */
 #define MOMENTS_MOST 80                  /* with the extreme ones */
-#define GOLDEN       0.61803398874989485 /* the ratio that fractions approximate worst */
+#define GOLDEN       0.61803398874989485 /* is the ratio that fractions approximate worst */
 #define LONG         10.                 /* s, that are looked at of a run without an end */
 #define TURNS        3
 #define SHIFTS       2

@@ -10,10 +10,9 @@
 
 /* Of centered steps, over sqrt(h/|g|). What moves in a tank at rest does not depend on it from 0.06 to 0.4; with 0.4 in
    place of 0.25 a wave of 100 spacings is 0.7 in place of 0.5 % too fast. */
-#define FORCE_LIMIT       0.25
-#define FORCE_LIMIT_RAW   0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
-#define SHIFTING_STRENGTH 2    /* A of Skillen et al. 2013 */
-#define RELAXATION_RATIO  5    /* time in which density errors are corrected, over h/U of the scene */
+#define FORCE_LIMIT      0.25
+#define FORCE_LIMIT_RAW  0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
+#define RELAXATION_RATIO 5    /* time in which density errors are corrected, over h/U of the scene */
 
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
@@ -85,7 +84,7 @@ PetscErrorCode ConsistentDefaults(Stepper stepper)
   stepper->relaxation_ratio = RELAXATION_RATIO;
   stepper->force_time       = 0.5;
   scheme->centered          = PETSC_TRUE;
-  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE, SHIFTING_STRENGTH, 0};
+  scheme->shifting          = (Shifting){PETSC_TRUE, PETSC_FALSE};
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

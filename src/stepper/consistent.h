@@ -24,19 +24,6 @@ typedef struct {
      NULL,                                                                                                             \
      ROW_BOOL,                                                                                                         \
      offsetof(Consistent, shifting.conserved)},                                                                        \
-    {"-shifting_strength",                                                                                             \
-     "A in dr = -A h dt |dv| grad C",                                                                                  \
-     "1",                                                                                                              \
-     "[0, inf)",                                                                                                       \
-     ROW_REAL,                                                                                                         \
-     offsetof(Consistent, shifting.strength)},                                                                         \
-    {"-shifting_disorder",                                                                                             \
-     "h |grad C| at which the strength has doubled, it triples at most; 0: one strength everywhere; 0.06 keeps more "  \
-     "energy in coarse splashes",                                                                                      \
-     "1",                                                                                                              \
-     "[0, inf)",                                                                                                       \
-     ROW_REAL,                                                                                                         \
-     offsetof(Consistent, shifting.disorder)},                                                                         \
   {                                                                                                                    \
     "-time_centered", "Evaluate forces at the middle of the step: drift, kick, drift", NULL, NULL, ROW_BOOL,           \
       offsetof(Consistent, centered)                                                                                   \

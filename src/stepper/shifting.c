@@ -4,15 +4,8 @@
 #include "../neighbors/pairs.h"
 #include "shifting.h"
 
-#define CAP             0.1 /* spacings, of a shift in a step; no reference */
-#define DISORDERED_MOST 3   /* times the strength, of the most disordered particles */
-
-/* The factor on a shift of disordered particles: h |grad C| is below 0.01 in a wave, 0.015 on average and up to 0.1 in
-   a splash. crowding: h |grad C| along the shift. */
-static PetscReal Strengthening(const Shifting *shifting, PetscReal crowding)
-{
-  return PetscMin(DISORDERED_MOST, 1 + crowding / shifting->disorder);
-}
+#define CAP      0.1 /* spacings, of a shift in a step; no reference */
+#define STRENGTH 2   /* A of Skillen et al. 2013 */
 
 /* Shortens dr along the normal n (1) of a wall, which is 'gap' (m) away from where the guard keeps particles: that far
    it may lead to the wall. */
@@ -51,13 +44,12 @@ static void ShortenAtWalls(Cloud cloud, PetscReal guard, PetscInt a, PetscReal d
 
 /* dr_a = -A h dt max_b|v_b - v_a| sum V (1 + 0.2 (W/W(d0))^4) grad W (Skillen et al. 2013, Lind et al. 2012), at most
    CAP spacings; particles on or near the surface lose the component along sum V grad W. */
-static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal guard, PetscReal dt, PetscInt a,
-                         PetscReal dr[DIM])
+static void DesiredShift(Cloud cloud, PetscReal guard, PetscReal dt, PetscInt a, PetscReal dr[DIM])
 {
   const PetscReal *normal = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a;
   const PetscReal  size = cloud->size[a], h = size * KernelSmoothingLength(cloud->kernel),
                   cap    = size * CAP * cloud->domain->spacing,
-                  factor = -shifting->strength * h * dt * cloud->field[FIELD_VELOCITY_JUMP][a];
+                  factor = -STRENGTH * h * dt * cloud->field[FIELD_VELOCITY_JUMP][a];
   PetscReal length;
 
   for (PetscInt d = 0; d < DIM; d++) dr[d] = factor * crowding[d];
@@ -67,12 +59,6 @@ static void DesiredShift(Cloud cloud, const Shifting *shifting, PetscReal guard,
     for (PetscInt d = 0; d < DIM; d++) dr[d] -= share * normal[d];
   }
   length = Norm(dr);
-  if (shifting->disorder > 0 && factor < 0) {
-    const PetscReal more = Strengthening(shifting, h * length / -factor);
-
-    for (PetscInt d = 0; d < DIM; d++) dr[d] *= more;
-    length *= more;
-  }
   if (length > cap)
     for (PetscInt d = 0; d < DIM; d++) dr[d] *= cap / length;
   ShortenAtWalls(cloud, guard, a, dr);
@@ -98,7 +84,7 @@ static PetscErrorCode ShiftPlain(Cloud cloud, const Shifting *shifting, PetscRea
     PetscReal dr[DIM], change[DIM];
 
     if (cloud->field[FIELD_LAMBDA][a] <= SPRAY_LAMBDA) continue;
-    DesiredShift(cloud, shifting, guard, dt, a, dr);
+    DesiredShift(cloud, guard, dt, a, dr);
     TaylorTerm(cloud, a, dr, change);
     for (PetscInt d = 0; d < DIM; d++) {
       x[DIM * a + d] += dr[d];
@@ -153,7 +139,7 @@ static PetscErrorCode ShiftConserved(Cloud cloud, const Shifting *shifting, Pets
   PetscCall(OperatorsCompensationWeights(cloud, weight));
   PetscCall(PetscArrayzero(desired, DIM * cloud->n_owned));
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    if (weight[a] > 0) DesiredShift(cloud, shifting, guard, dt, a, desired + DIM * a);
+    if (weight[a] > 0) DesiredShift(cloud, guard, dt, a, desired + DIM * a);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, desired));
   Displace(cloud, desired, weight, change);
   PetscCall(CloudUpdate(cloud, FIELD_POSITION_NEW));

@@ -6,8 +6,6 @@
 
 typedef struct {
   PetscBool active, conserved;
-  PetscReal strength; /* A of the displacement, 1 */
-  PetscReal disorder; /* h |grad C| at which A has doubled, 1; 0: it does not grow */
 } Shifting;
 
 /* Shift - moves FIELD_POSITION_NEW (m) towards an even distribution and corrects FIELD_VELOCITY_NEW (m/s) for the

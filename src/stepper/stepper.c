@@ -1,8 +1,9 @@
 #include "stepper_impl.h"
 
-#define FORESEEN     64    /* times at which StepperForesee looks */
-#define MAX_HALVINGS 10    /* of a step that is rolled back */
-#define STALLED      1e-12 /* step over time: a smaller step does not advance the time */
+#define FORESEEN      64    /* times at which StepperForesee looks */
+#define MAX_HALVINGS  10    /* of a step that is rolled back */
+#define DENSITY_RATIO 2.    /* largest one of two bodies; a denser drop than 4 times its film is unstable */
+#define STALLED       1e-12 /* step over time: a smaller step does not advance the time */
 /* Factor on the velocities in a step of the relaxation; cases/drop_impact/paper.md compares others. */
 #define RELAXATION_DAMPING 0.9
 
@@ -34,9 +35,8 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
   s->edges    = StepEdges;
   s->now      = (Step){s, cloud->scene, cloud, tension, pressure, .trial = &s->result, .damping = 1};
   PetscCall(StepEdgesCreate(s));
-  s->trial             = (TrialLimits){.displacement = 0.5, .density = 3, .energy = 2};
-  s->guard             = 0.25;
-  s->density_ratio_max = 2;
+  s->trial = (TrialLimits){.displacement = 0.5, .energy = 2};
+  s->guard = 0.25;
   PetscCall(SetScheme(s, &SchemeConsistent.choice));
   *stepper = s;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -53,16 +53,17 @@ static PetscErrorCode CheckDensities(Stepper s)
     if (BodyMaterial(SceneBody(scene, b))->density < BodyMaterial(light)->density) light = SceneBody(scene, b);
     if (BodyMaterial(SceneBody(scene, b))->density > BodyMaterial(dense)->density) dense = SceneBody(scene, b);
   }
-  PetscCheckUser(BodyMaterial(dense)->density <= s->density_ratio_max * BodyMaterial(light)->density, s->cloud->comm,
-                 "-%s_density is %g times -%s_density; at most -density_ratio_max %g is stable where they touch",
-                 BodyName(dense), (double)(BodyMaterial(dense)->density / BodyMaterial(light)->density),
-                 BodyName(light), (double)s->density_ratio_max);
+  PetscCheckUser(BodyMaterial(dense)->density <= DENSITY_RATIO * BodyMaterial(light)->density, s->cloud->comm,
+                 "-%s_density is %g times -%s_density; at most %g times is stable where they touch", BodyName(dense),
+                 (double)(BodyMaterial(dense)->density / BodyMaterial(light)->density), BodyName(light),
+                 (double)DENSITY_RATIO);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static const OptionRow ratio[] = {
   {"-pressure_relaxation_ratio", "Time in which the divergence source corrects density errors, over h/U of the scene",
-   "1", "(0, inf)", ROW_REAL, offsetof(struct _p_Stepper, relaxation_ratio)},
+   "1", "(0, inf)", ROW_REAL, offsetof(struct _p_Stepper, relaxation_ratio),
+   .fallback = "5; 25 with -scheme " SCHEME_WEAKLY_COMPRESSIBLE},
   {.name = NULL},
 };
 
@@ -130,15 +131,10 @@ static PetscErrorCode SetViscosityFromOptions(Stepper s)
 static const OptionRow checks[] = {
   {"-displacement_max", "Largest displacement in a step; a larger one rolls the step back", "spacings", "(0, inf)",
    ROW_REAL, offsetof(struct _p_Stepper, trial.displacement)},
-  {"-density_max", "Largest summed density over rest density; a larger one rolls the step back", "1", "(1, inf)",
-   ROW_REAL, offsetof(struct _p_Stepper, trial.density)},
   {"-energy_max",
    "Largest kinetic energy, over the most that the scene's speeds, falls and surfaces can give; more stops the run; 0: "
-   "no limit",
+   "no limit, nor one of the density",
    "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Stepper, trial.energy)},
-  {"-density_ratio_max",
-   "Largest ratio of the densities of two bodies; a denser drop than 4 times its film is unstable", "1", "[1, inf)",
-   ROW_REAL, offsetof(struct _p_Stepper, density_ratio_max)},
   {.name = NULL},
 };
 

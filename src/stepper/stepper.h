@@ -102,8 +102,8 @@ PetscErrorCode StepperParticles(Scene scene, Tension tension, Particles *particl
 PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, Stepper *stepper);
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
-   -displacement_max (spacings), -density_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
-   -sound_mach, -sound_cfl, -density_diffusion. Collective. */
+   -displacement_max (spacings), -energy_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
+   -sound_mach, -density_diffusion. Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperJson - writes the scheme, if a step has been chosen its bounds, and what edges add, into the open object of

@@ -57,8 +57,7 @@ typedef struct {
 /* Limits beyond which a step is rolled back or stops the run. */
 typedef struct {
   PetscReal displacement; /* spacings */
-  PetscReal density;      /* summed over rest density */
-  PetscReal energy;       /* kinetic energy over at_hand; 0: no limit */
+  PetscReal energy;       /* kinetic energy over at_hand; 0: no limit, nor one of the density */
   PetscReal at_hand;      /* StepperEnergyAtHand, J/kg; 0: no bound */
 } TrialLimits;
 
@@ -84,7 +83,6 @@ struct _p_Stepper {
   Viscosity          viscosity;
   Viscous            viscous;
   PetscReal          guard;              /* spacings that particles keep from walls */
-  PetscReal          density_ratio_max;  /* largest ratio of the densities of two bodies */
   PetscReal          reference_velocity; /* m/s */
   PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
   PetscReal          relaxation_step;    /* s; 0: as in the run */

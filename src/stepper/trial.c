@@ -1,6 +1,7 @@
 /* Measures a trial of a step, and decides whether it is accepted. */
 #include "stepper_impl.h"
 
+#define DENSITY_MAX     3 /* over the rest density, of clumped particles: a step is rolled back; no reference */
 #define OPEN_FACE_REACH 4 /* spacings from an open face within which a cut sheet may look underresolved */
 
 /* The integral of |sum V grad W| over the liquid below a flat surface is half its area, for any kernel: sum V W rises
@@ -127,11 +128,11 @@ PetscErrorCode TrialCheck(Stepper stepper, PetscReal dt, const StepTrial *trial,
                             "a particle would move %.3g spacings in one step of %g s, more than -displacement_max %g: "
                             "try a smaller %s",
                             (double)moved, (double)dt, (double)limits->displacement, knob));
-  else if (trial->largest[LARGEST_DENSITY] > limits->density)
+  else if (limits->energy > 0 && trial->largest[LARGEST_DENSITY] > DENSITY_MAX)
     PetscCall(PetscSNPrintf(why, length,
-                            "the density reaches %.3g times the rest density, more than -density_max %g: particles "
-                            "have clumped; try a smaller -time_cfl, -shifting or a smaller -spacing",
-                            (double)trial->largest[LARGEST_DENSITY], (double)limits->density));
+                            "the density reaches %.3g times the rest density: particles have clumped; try a smaller "
+                            "-time_cfl, -shifting or a smaller -spacing",
+                            (double)trial->largest[LARGEST_DENSITY]));
   else if (at_hand > 0 && limits->energy > 0 && trial->sum[SUM_KINETIC] > limits->energy * at_hand)
     PetscCall(
       PetscSNPrintf(why, length,

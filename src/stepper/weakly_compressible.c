@@ -17,9 +17,11 @@
 #define RELAXATION_RATIO                                                                                               \
   25 /* time in which density errors are corrected, over h/U of the scene; a shorter time feeds sound waves */
 
+#define SOUND_CFL 0.4 /* (speed of sound + largest speed) times time step over h; no reference */
+
 typedef struct {
   Consistent base;
-  PetscReal  speed, mach, cfl, diffusion;
+  PetscReal  speed, mach, diffusion;
   PetscReal  lattice_sum; /* sum V W on a full lattice, 1 */
 } Compressible;
 
@@ -29,8 +31,6 @@ static const OptionRow options[] = {
    offsetof(Compressible, speed)},
   {"-sound_mach", "The scene's velocity over the speed of sound", "1", "(0, 1]", ROW_REAL,
    offsetof(Compressible, mach)},
-  {"-sound_cfl", "(Speed of sound + largest speed) times time step over h", "1", "(0, 2]", ROW_REAL,
-   offsetof(Compressible, cfl)},
   {"-density_diffusion", "Delta of the diffusion delta h c lap rho of the density", "1", "[0, 1]", ROW_REAL,
    offsetof(Compressible, diffusion)},
   {.name = NULL},
@@ -65,8 +65,8 @@ static PetscErrorCode View(Stepper stepper, PetscViewer viewer)
 
   PetscFunctionBegin;
   PetscCall(ConsistentView(stepper, viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n", (double)s->speed,
-                                   (double)s->cfl, (double)s->diffusion));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n", (double)s->speed, SOUND_CFL,
+                                   (double)s->diffusion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,7 +74,7 @@ static PetscReal Bound(Stepper stepper, PetscReal speed)
 {
   const Compressible *s = (const Compressible *)stepper->scheme;
 
-  return s->cfl * KernelSmoothingLength(stepper->cloud->kernel) / (s->speed + speed);
+  return SOUND_CFL * KernelSmoothingLength(stepper->cloud->kernel) / (s->speed + speed);
 }
 
 /* delta h c lap p of the fluid, Pa/s, p without its hydrostatic part. */
@@ -221,7 +221,6 @@ static PetscErrorCode Create(Stepper stepper)
   PetscFunctionBegin;
   s->base.project = Project;
   s->mach         = 0.1;
-  s->cfl          = 0.4;
   s->diffusion    = 0.1;
   PetscCall(ConsistentDefaults(stepper));
   stepper->relaxation_ratio = RELAXATION_RATIO;

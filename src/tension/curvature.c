@@ -604,26 +604,21 @@ static PetscErrorCode SortNormals(Tension tension, Cloud cloud, const Phase *pha
 static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const Phase *phase, PetscReal normal[],
                                            PetscReal depth[], PetscReal share[])
 {
-  const Curvature *data  = tension->data;
-  PetscReal       *slope = NULL, *plane = NULL;
+  PetscReal *slope, *plane;
 
   PetscFunctionBegin;
   PetscCall(SortNearSurface(tension, cloud, phase));
   PetscCall(PetscArrayzero(normal, DIM * cloud->n_owned));
   PetscCall(PetscArrayzero(depth, cloud->n_owned));
   PetscCall(PetscArrayzero(share, cloud->n_owned));
-  if (data->sheets) {
-    PetscCall(CloudGetWork(cloud, 1, &slope));
-    PetscCall(CloudGetWork(cloud, 6, &plane));
-    PetscCall(PetscArrayzero(slope, cloud->n_owned));
-  }
+  PetscCall(CloudGetWork(cloud, 1, &slope));
+  PetscCall(CloudGetWork(cloud, 6, &plane));
+  PetscCall(PetscArrayzero(slope, cloud->n_owned));
   for (PetscInt l = 0; l < tension->levels; l++)
     PetscCall(FindNormals(tension, cloud, phase, l, normal, depth, slope, share, plane));
-  if (data->sheets) {
-    PetscCall(SheetPull(tension, cloud, phase, slope, plane));
-    PetscCall(CloudRestoreWork(cloud, &plane));
-    PetscCall(CloudRestoreWork(cloud, &slope));
-  }
+  PetscCall(SheetPull(tension, cloud, phase, slope, plane));
+  PetscCall(CloudRestoreWork(cloud, &plane));
+  PetscCall(CloudRestoreWork(cloud, &slope));
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, normal));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, depth));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -58,7 +58,6 @@ static void SetDefaults(void *owner)
 {
   Curvature *data = ((Tension)owner)->data;
 
-  data->sheets     = PETSC_TRUE;
   data->sharpening = 2;
   data->slender    = SLENDER;
 }
@@ -83,8 +82,6 @@ static PetscErrorCode Destroy(Tension tension)
 }
 
 static const OptionRow options[] = {
-  {"-tension_sheets", "Surface tension of sheets and threads too thin for a normal", NULL, NULL, ROW_BOOL,
-   offsetof(Curvature, sheets)},
   {"-tension_sharpening", "Factor of the deconvolution that sharpens the curvature; 0: none", "1", "[0, 4]", ROW_REAL,
    offsetof(Curvature, sharpening)},
   {.name = NULL},

@@ -24,7 +24,7 @@ typedef struct _p_Tension *Tension;
 /* TensionCreate - creates the tension of a scene's bodies. Borrows the scene. Its model is known after
    TensionSetFromOptions; before, no other function may be called but TensionDestroy. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
-/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening, -tension_sheets,
+/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening,
    -wall_contact_angle, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard: -tension_calibration
    (kappa/(sigma H)), -tension_band. Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);

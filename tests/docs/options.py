@@ -28,7 +28,8 @@ def cells(row):
     default = "0" if re.fullmatch(r"0(,0)*", row["default"]) else row["default"]
     values = row.get("values", ["true", "false"] if row["kind"] == "bool" else [])
     allowed = ", ".join(values) if len(values) <= CHOICES else "PETSc's"
-    return [default, row["unit"] or "", row["range"] or allowed, row["meaning"]]
+    meaning = row["meaning"] + f" ({row['choice']})" * (", " in row["choice"])
+    return [default, row["unit"] or "", row["range"] or allowed, meaning]
 
 
 def groups(options):

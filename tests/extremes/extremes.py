@@ -107,9 +107,8 @@ impact("two liquids", "thin drop, thick film", mu=10, sigma=0.07, extra="-drop_v
 impact("two liquids", "thick drop, thin film", mu=10, sigma=0.07, extra="-film_viscosity 1e-3")
 for light in (1000 / 1.5, 500):
     impact("two liquids", f"density 1:{1000 / light:g}", mu=1e-3, extra=f"-drop_density {light}")
-impact("two liquids", "density 1:10", mu=1e-3, extra="-film_density 100", refused=("-film_density", "ratio_max"),
+impact("two liquids", "density 1:10", mu=1e-3, extra="-film_density 100", refused=("-film_density", "at most 2"),
        short=True)
-impact("two liquids", "1:10 by force", mu=1e-3, extra="-film_density 100 -density_ratio_max 10", throws=True)
 for cfl in (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1):
     impact("CFL", f"{cfl:g}", mu=1e-2, sigma=0.02, extra=f"-time_cfl {cfl}", short=cfl == 1)
 for step in (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2):
@@ -275,7 +274,7 @@ TRUST = 0.7, 1.4  # step that breaks over the predicted one
 def broken(scene, step, folder):
     """Whether 100 fixed steps put kinetic energy into what should lose it, or into a drop at rest, 0.01 of its
     surface's, or throw particles away."""
-    options = f"{scene} -time_step {step!r} -steps_max 100 -energy_max 0 -displacement_max 1e9 -density_max 1e9 "
+    options = f"{scene} -time_step {step!r} -steps_max 100 -energy_max 0 -displacement_max 1e9 "
     process = runs.start(options + f"-output_dir {folder} -output_overwrite -progress_interval 0", 1, 600)
     if process.returncode:
         return True

@@ -33,12 +33,12 @@ SCENES = [
     COMMON + "-box_x wall -box_y wall -box_ymax_velocity 1,0 -bodies a -a_viscosity 100 -viscosity_form morris "
     "-viscosity_solver implicit -viscous_ksp_rtol 1e-6 -time_end 0.1 -packing_jitter 0.2 -checkpoint_interval 0.05",
     COMMON + "-box_x periodic -bodies a -a_shape wave -a_upper 1,0.5 -a_wave_amplitude 0.05 -a_tension 0.1 "
-    "-tension_type cahn_hilliard -box_ymin wall -time_step_max 1e-3 -shifting 1 -shifting_strength 1 "
+    "-tension_type cahn_hilliard -box_ymin wall -time_step_max 1e-3 -shifting 1 "
     "-pressure_gradient symmetric -time_end 0.1",
     "-spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y symmetry -box_zmin wall "
     "-gravity 0,0,-9.81 -bodies film,drop -film_upper 1,1,0.4 -drop_shape sphere -drop_radius 0.2 "
     "-drop_center 0.5,0.5,0.75 -drop_velocity 0,0,-1 -time_end 0.1 -packing_type poisson "
-    "-packing_seed 3 -halo_slack 0.5 -sort_interval 4",
+    "-packing_seed 3 -sort_interval 4",
 ]
 VALUES = ["", "0", "-0", "-1", "1", "2", "3", "7", "1e-300", "1e300", "-1e300", "1e400", "nan", "inf", "-inf", "1e-9",
           "1e9", "2147483647", "2147483648", "-2147483649", "99999999999999999999",

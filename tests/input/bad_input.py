@@ -129,7 +129,7 @@ def core():
     refused("steps_of_33_bits", GOOD + "-steps_max 4294967297", ["-steps_max", "4294967297"])
     refused("densities_too_far_apart",
             BOX + "-bodies a,b -a_upper 10,10,2 -b_lower 0,0,2 -b_upper 10,10,4 -b_density 3000",
-            ["-b_density", "-density_ratio_max"])
+            ["-b_density", "at most 2"])
     for late in ("-log_vieww", "-infoo x", "-options_lefft"):
         refused(f"unknown_option_of_petsc_{late}", GOOD + late, [late.split()[0]])
 
@@ -222,7 +222,7 @@ def scenes():
             ["-snapshot_upper"])
     refused("snapshot_compression", GOOD + "-snapshot_compression 10", ["-snapshot_compression", "10", "9"])
     refused("text_for_switch", GOOD + "-snapshot_double perhaps", ["perhaps", "-snapshot_double"])
-    refused("unknown_choice", GOOD + "-pressure_density both", ["both", "-pressure_density", "rest", "summed"])
+    refused("unknown_choice", GOOD + "-viscosity_wall both", ["both", "-viscosity_wall", "rest", "linear"])
     refused("pressure_regularization", GOOD + "-pressure_regularization -1", ["-pressure_regularization", "[0, inf)"])
     refused("unknown_scheme", GOOD + "-scheme magic", ["magic", "consistent", "density_invariant"])
     refused("solid_named_as_body", GOOD + "-solids film", ["-solids", "film", "twice"])
@@ -360,7 +360,6 @@ def folders():
         refused(f"graded {name}", GRADED + name, [meant, "cannot be used with -spacing_coarse"])
     for name, meant in (("-spacing_follow edges", "choose from none, surface, curvature, auto"),
                         ("-spacing_follow surface", "-spacing_coarse (m) is missing"),
-                        ("-spacing_follow surface -spacing_coarse 2 -spacing_curvature 0", "[1, 100]"),
                         ("-spacing_follow surface -spacing_coarse 2 -particles_most -1", "[0, inf)")):
         refused(f"following {name}", GOOD + name, [name.split()[-2], meant])
     refused("graded from a checkpoint of one size", GRADED + f"-restart {checkpoint}", ["-spacing_coarse"])

@@ -2,9 +2,7 @@
 """README.md stays short: at most 200 lines of at most 120 columns, and its tables whole. Functions that it and
 CONTRIBUTING.md name as `file:function` are defined in that file of src/, and the README names one for each equation of
 the paper, (1) to (11). The sub-steps of its table of the default scheme are those that the scheme documents, and its
-functions are called in that order. CONTRIBUTING.md lists the files in which a comment says "no
-reference", and no others. LINT_ROOT: another tree, for a test of the test."""
-import glob
+functions are called in that order. LINT_ROOT: another tree, for a test of the test."""
 import os
 import re
 import sys
@@ -68,11 +66,6 @@ for document in ("README.md", "CONTRIBUTING.md"):
 for k, (above, line) in enumerate(zip(lines, lines[1:]), 2):
     if above.startswith("|") and line.startswith("|") and above.count("|") != line.count("|"):
         bad.append(f"README.md:{k}: the table has rows of different length")
-chosen = set(re.findall(r"^\| .*`(\w+/\w+\.[ch])` \|$", "\n".join(lines_of("CONTRIBUTING.md")), re.M))
-said = {os.path.relpath(path, os.path.join(ROOT, "src")) for path in glob.glob(os.path.join(ROOT, "src", "*", "*.[ch]"))
-        if re.search(r"no reference", open(path, encoding="utf-8").read(), re.I)}
-bad += [f"CONTRIBUTING.md names {path} among the numbers without a reference, which has none" for path in chosen - said]
-bad += [f"CONTRIBUTING.md does not name {path} among the numbers without a reference" for path in said - chosen]
 missing = sorted(set(range(1, EQUATIONS + 1)) - equations)
 if missing:
     bad.append(f"README.md names no function for the equations {missing}")

@@ -64,7 +64,7 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5
  -resampling_interval 3 -resampling_alone 0.9 """
 # The spacing follows surfaces: particles of both bodies split and join.
-FOLLOWING = (GRADED.split("-fine")[0] + "-spacing_growth 0.2 -spacing_follow curvature -spacing_curvature 6 "
+FOLLOWING = (GRADED.split("-fine")[0] + "-spacing_growth 0.2 -spacing_follow curvature "
              "-time_step 4e-5 -resampling_interval 3 ")
 FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A drop that wets the floor, is repelled by a wall that has an angle of its own, and by a ball that moves.

@@ -56,7 +56,7 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -resampling_interval 3 -resampling_alone 0.9 """
 # The spacing follows surfaces.
 FOLLOWING = GRADED.replace("-fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3",
-                           "-spacing_follow curvature -spacing_curvature 6").replace("-resampling_alone 0.9", "")
+                           "-spacing_follow curvature").replace("-resampling_alone 0.9", "")
 FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A lens of one liquid on another.
 LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81

@@ -75,7 +75,7 @@ def box():
     for factor, stable in ((0.9, True), (1.1, False)):
         folder = runs.scratch(f"stiff_{factor}")
         process = runs.start((stiff + f" -time_step {factor * limit:.6g} -steps_max 60 -series_interval 0 "
-                              "-viscosity_solver explicit -energy_max 0 -displacement_max 1e9 -density_max 1e9 "
+                              "-viscosity_solver explicit -energy_max 0 -displacement_max 1e9 "
                               "-progress_interval 0").replace("\n", "").split() +
                              ["-output_dir", folder])
         energy = runs.series(folder)["kinetic_energy"] if process.returncode == 0 else [1.0, math.inf]

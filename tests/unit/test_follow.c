@@ -6,9 +6,9 @@
 #include "check.h"
 
 #define POOL                                                                                                           \
-  "-spacing 1 -spacing_coarse 4 -spacing_growth 0.1 -spacing_band 4 -box_lower 0,0,0 -box_upper 40,40,60 "             \
+  "-spacing 1 -spacing_coarse 4 -spacing_growth 0.1 -box_lower 0,0,0 -box_upper 40,40,60 "                             \
   "-box_x symmetry -box_y symmetry -box_zmin wall -bodies film,drop -film_upper 40,40,20 -drop_shape sphere "          \
-  "-drop_center 0,0,34 -drop_radius 8 -halo_slack 0.1 -film_density 1 -drop_density 1 -film_viscosity 1 "              \
+  "-drop_center 0,0,34 -drop_radius 8 -film_density 1 -drop_density 1 -film_viscosity 1 "                              \
   "-drop_viscosity 1 -film_tension 1 -drop_tension 1 "
 
 /* A drop of radius R and curvature 2/R wants R/8 with four spacings a radius 1/(k1 + k2); a flat film none, at the
@@ -154,9 +154,9 @@ static PetscErrorCode TestKept(void)
 }
 
 #define ROUND                                                                                                          \
-  "-dimension axisymmetric -spacing 1 -spacing_coarse 4 -spacing_growth 0.1 -spacing_band 4 -box_lower 0,0 "           \
+  "-dimension axisymmetric -spacing 1 -spacing_coarse 4 -spacing_growth 0.1 -box_lower 0,0 "                           \
   "-box_upper 40,70 -box_xmax wall -box_ymin wall -bodies film,drop -film_upper 40,20 -drop_shape sphere "             \
-  "-drop_center 0,46 -drop_radius 16 -halo_slack 0.1 -film_density 1 -drop_density 1 -packing_jitter 0 "
+  "-drop_center 0,46 -drop_radius 16 -film_density 1 -drop_density 1 -packing_jitter 0 "
 
 /* The dummies of rings: those of a layer of the floor reach from the axis to the wall and cover the disc, but for the
    first ring, whose mean radius is that of its layer where its column is narrower; those of a layer of the cylinder
@@ -249,7 +249,7 @@ static PetscErrorCode TestNormals(void)
     Setup           s;
 
     PetscCall(PetscSNPrintf(options, sizeof(options),
-                            "-spacing 1 -spacing_coarse 4 -spacing_growth 0.02 -spacing_band 4 "
+                            "-spacing 1 -spacing_coarse 4 -spacing_growth 0.02 "
                             "-bodies drop -spacing_follow curvature %s",
                             box[rings]));
     PetscCall(SetupFill(options, n, x, 0, &s));

@@ -201,10 +201,10 @@ static PetscErrorCode TestFloor(void)
   Setup     s;
 
   PetscFunctionBegin;
-  PetscCall(SetupPack(
-    "-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 40,30 -halo_slack 2 -box_ymin wall -packing_jitter 0 -bodies "
-    "a,b -a_upper 10,6 -a_density 1000 -b_lower 26,0 -b_upper 36,6 -b_density 700 ",
-    &s));
+  PetscCall(
+    SetupPack("-dimension 2 -spacing 1 -box_lower 0,0 -box_upper 40,30 -box_ymin wall -packing_jitter 0 -bodies "
+              "a,b -a_upper 10,6 -a_density 1000 -b_lower 26,0 -b_upper 36,6 -b_density 700 ",
+              &s));
   for (PetscInt round = 0; round < 2; round++) {
     PetscCall(SetupMoments(&s));
     for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_owned; a++) {

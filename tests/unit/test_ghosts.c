@@ -7,7 +7,7 @@
 
 #define SPACING 0.1
 #define PERIODIC                                                                                                       \
-  "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,2 -box_x periodic -bodies a -halo_slack 1 -sort_interval "    \
+  "-dimension 2 -spacing 0.1 -box_lower 0,0 -box_upper 2,2 -box_x periodic -bodies a -sort_interval "                  \
   "1000 "
 /* The kernel's support is 0.26 m, the slack 0.1 m, so that of the one at 0.365 m there is no ghost behind the upper
    face at first. Each goes 0.06 m towards the other. */

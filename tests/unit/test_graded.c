@@ -13,20 +13,20 @@
 #define DEEP                                                                                                           \
   "-spacing 1 -spacing_coarse 2.5 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 10,10,20 -box_x periodic "           \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 10,10,15 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 5,5,15 -halo_slack 0.1 -tension_type none "
+  "-core_center 5,5,15 -tension_type none "
 #define STEEP                                                                                                          \
   "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 0,0,16 -halo_slack 0.1 -tension_type none "
+  "-core_center 0,0,16 -tension_type none "
 #define STEEPEST                                                                                                       \
   "-spacing 1 -spacing_coarse 8 -spacing_growth 0.15 -box_lower 0,0,0 -box_upper 48,48,48 -box_x symmetry "            \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 48,48,40 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 0,0,40 -halo_slack 0.1 -tension_type none "
+  "-core_center 0,0,40 -tension_type none "
 /* rings: a tank, and a drop that is fine above and coarse below */
 #define ROUND                                                                                                          \
   "-dimension axisymmetric -spacing 1 -spacing_coarse 3 -spacing_growth 0.2 -box_lower 0,0 -box_upper 30,30 "          \
   "-box_xmax wall -box_ymin wall -bodies film -film_upper 30,24 -fine core -core_shape sphere -core_radius 4 "         \
-  "-core_center 0,24 -halo_slack 0.1 -packing_jitter 0 -tension_type none "
+  "-core_center 0,24 -packing_jitter 0 -tension_type none "
 #define FLAT_DROP                                                                                                      \
   "-dimension 2 -spacing 1 -spacing_coarse 2 -spacing_growth 0.2 -box_lower -50,-50 -box_upper 50,50 -bodies a "       \
   "-a_shape sphere -a_radius 40 -a_center 0,0 -a_tension 1 -fine c -c_lower 4,-50 -c_upper 50,50 "

@@ -6,7 +6,7 @@
 #define POOL                                                                                                           \
   "-spacing 1 -spacing_coarse 4 -spacing_growth 0.2 -box_lower 0,0,0 -box_upper 20,20,20 -box_x symmetry "             \
   "-box_y symmetry -box_zmin wall -bodies film -film_upper 20,20,16 -fine core -core_shape sphere -core_radius 2 "     \
-  "-core_center 0,0,16 -halo_slack 0.1 -tension_type none "
+  "-core_center 0,0,16 -tension_type none "
 
 /* Volume of the liquid, and its moment along x, momentum and kinetic energy, of unit density. */
 static void SumLiquid(Cloud cloud, PetscReal sum[4])

@@ -352,7 +352,7 @@ static PetscErrorCode TestKeys(void)
       PetscCall(PetscSNPrintf(name, sizeof(name), "key %d: %s beside %s", (int)kind, change[k], change[same]));
       CHECK(same == k, name);
     }
-    PetscCall(FindKey(options, "-packing_cache elsewhere -halo_slack 0.3", &again));
+    PetscCall(FindKey(options, "-packing_cache elsewhere", &again));
     CHECK(again == key[0], "key: the same wherever it is kept");
     if (kind > 0 && kind < 3) CHECK(again != key[63], "key: another for each kind");
     key[63] = again;

@@ -60,7 +60,7 @@ static PetscErrorCode CheckShift(const char options[], PetscBool open, const cha
   Setup          s;
   Cloud          cloud;
   PetscReal      before[10], after[10], uneven, moved = 0;
-  const Shifting conserved = {PETSC_TRUE, PETSC_TRUE, 2, 0};
+  const Shifting conserved = {PETSC_TRUE, PETSC_TRUE};
   const PetscInt turns     = open ? 3 : 2; /* angular momentum means nothing in a periodic box */
 
   PetscFunctionBegin;
@@ -134,7 +134,7 @@ static void ShiftOf(Cloud cloud, PetscInt a, PetscReal dr[DIM])
    the same function of the place as before. */
 static PetscErrorCode CheckPlain(PetscReal rate)
 {
-  const Shifting  plain       = {PETSC_TRUE, PETSC_FALSE, 2, 0};
+  const Shifting  plain       = {PETSC_TRUE, PETSC_FALSE};
   const PetscReal G[DIM][DIM] = {{0.3 * rate, -0.7 * rate, 0}, {0.2 * rate, -0.3 * rate, 0}, {0, 0, 0}};
   PetscReal       longest = 0, wrong = 0, off = 0;
   Setup           s;
@@ -179,7 +179,7 @@ static PetscReal WallDistance(Cloud cloud, const PetscReal x[DIM])
 static PetscErrorCode CheckWalls(PetscInt seed, PetscReal all[2])
 {
   char           options[512];
-  const Shifting plain  = {PETSC_TRUE, PETSC_FALSE, 2, 0};
+  const Shifting plain  = {PETSC_TRUE, PETSC_FALSE};
   PetscReal      closer = 0, given = 0, stopped = 0;
   Setup          s;
   Cloud          cloud;
@@ -209,43 +209,6 @@ static PetscErrorCode CheckWalls(PetscInt seed, PetscReal all[2])
   CHECK_CLOSE(SetupMax(closer), 0, 1e-3, "walls_stop_a_shift"); /* the post is round */
   all[0] += SetupSum(stopped);
   all[1] += SetupSum(given);
-  PetscCall(SetupClose(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* With -shifting_disorder a shift is longer by 1 + h |grad C|/disorder, at most three times. */
-static PetscErrorCode CheckDisorder(void)
-{
-  const Shifting even = {PETSC_TRUE, PETSC_FALSE, 2, 0}, disordered = {PETSC_TRUE, PETSC_FALSE, 2, 0.01};
-  PetscReal     *length, wrong = 0, least = PETSC_MAX_REAL, most = 0;
-  Setup          s;
-  Cloud          cloud;
-
-  PetscFunctionBegin;
-  PetscCall(OpenDrop(&s));
-  cloud = s.cloud;
-  PetscCall(PetscMalloc1(cloud->n_fluid, &length));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) cloud->field[FIELD_VELOCITY_JUMP][a] = SLOW;
-  PetscCall(PetscArrayzero(cloud->field[FIELD_VELOCITY_NEW], DIM * cloud->n_owned));
-  for (PetscInt k = 0; k < 2; k++) {
-    PetscCall(ShiftFromHere(cloud, k ? &disordered : &even));
-    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-      PetscReal dr[DIM];
-
-      ShiftOf(cloud, a, dr);
-      if (k && length[a] > 0) {
-        const PetscReal more = Norm(dr) / length[a], wanted = PetscMin(3, 1 + length[a] / (2 * DT * SLOW) / 0.01);
-
-        wrong = PetscMax(wrong, PetscAbsReal(more - wanted) * PetscMin(1, length[a] / (DT * SLOW)));
-        least = PetscMin(least, more);
-        most  = PetscMax(most, more);
-      }
-      if (!k) length[a] = Norm(dr);
-    }
-  }
-  CHECK_CLOSE(SetupMax(wrong), 0, 1e-9, "disorder_lengthens_shifts");
-  CheckTrue(SetupMax(most) > 2.99 && -SetupMax(-least) < 1.5, "disorder_of_all_sizes");
-  PetscCall(PetscFree(length));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -287,7 +250,6 @@ int main(int argc, char **argv)
   for (PetscInt seed = 1; seed <= 4; seed++) PetscCall(CheckWalls(seed, all));
   CheckTrue(all[0] > 8, "a_floor_stops_some");
   CHECK_CLOSE(all[1] / all[0], 0, 0.05, "what_is_stopped_gets_no_velocity");
-  PetscCall(CheckDisorder());
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
   PetscCall(PetscFinalize());

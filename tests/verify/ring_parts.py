@@ -104,7 +104,6 @@ for options, words in (("-scheme weakly_compressible", "sound waves focus at the
                        ("-tension_type cahn_hilliard -water_tension 0.07", "curvature around the axis")):
     process = runs.start(f"{WATER} {options} -steps_max 1 -output_dir " + runs.scratch("refused"))
     runs.check(process.returncode != 0 and words in process.stderr, f"refuses {options}", process.stderr[-300:])
-runs.run(WATER + "-pressure_density summed -box_ymin wall -box_xmax wall -steps_max 3", "summed_density")
 
 # in the plane: a closed box whose solid is so thick that its middle has no part in the equation for the pressure
 PLANE = """-dimension 2 -spacing 0.5e-3 -box_lower 0,0 -box_upper 8e-3,4e-3 -box_x wall -box_xmax_velocity 0,0.01

@@ -26,7 +26,7 @@ runs.check(s["step"][-1] == 5, "no_tiny_last_step", f"{s['step'][-1]} steps, the
 
 # No step helps against a bound that the packing itself violates.
 path = runs.scratch("stuck")
-process = runs.start(SCENE + f"-steps_max 5 -density_max 1.001 -output_dir {path}")
+process = runs.start(SCENE + f"-steps_max 5 -energy_max 1e-9 -output_dir {path}")
 runs.check(process.returncode != 0, "a_run_that_cannot_go_on_fails", f"exit code {process.returncode}")
 errors = [line for line in process.stderr.splitlines() if line.strip()]
 runs.check(len(errors) == 1 and "stopped at" in errors[0] and "try" in errors[0], "with_one_sentence", process.stderr)
