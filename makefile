@@ -4,7 +4,8 @@
 #   make run-axisymmetric   the main case as rings around its axis: seconds
 #   make check          whether a change is right, in three minutes; CHANGED=1: only what watches the files of `git diff`,
 #                       a minute; BASE=HEAD~3: of the changes since then
-#   make test           all tests, ten minutes on two cores; ONLY=tension: those with this in their names; JOBS=1: one a time
+#   make test           eight minutes on two cores, some tests on one date of five; ONLY=tension: all with this in their
+#                       names; JOBS=1: one a time
 #   make test-ci        the same with the compiler's sanitizers besides; make test-long: what takes hours, too
 #   make lint           format, floors, circles, tables, figures that documents quote; where each feature is named
 #   make verify         the cases against exact solutions: a table; CASE=couette: one case; verify-long: all of them

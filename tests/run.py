@@ -6,7 +6,8 @@
 A test is a job: a program of tests/unit on a number of ranks, a script of tests/, or one part of a script.
 tests/table.txt has a row for each: its ranks, its seconds, the set it belongs to, the folders whose change it watches.
 
-    --check       what belongs to the set `check` (make check); without: `check` and `test`; --long: all sets
+    --check       what belongs to the set `check` (make check); without: `check`, `test` and of `turn` what has its turn
+                  on the date of the commit or watches what this changed; --long: all sets
     --sanitizers  the jobs of tests/sanitizers too (make test-ci)
     --changed     of these only what watches the paths in `git diff COMMIT` (HEAD), the quickest that fit into a minute
                   of two cores and what names one of these files, and lint
@@ -41,7 +42,8 @@ OUTPUT = os.path.join(ROOT, "output", "tests")
 UNITS = os.path.join("output", "build", "tests", "unit")
 FOLDERS = ("docs", "answers", "input", "parallel", "restart", "faults", "extremes", "solvers", "relations", "verify",
            "lint")
-SETS = ("check", "test", "long")
+SETS = ("check", "test", "turn", "long")
+TURNS = 5  # days, on one of which a test of the set `turn` runs
 TIMEOUT = float(os.environ.get("TEST_TIMEOUT", 600))  # s a job may take; of the set `long` 7200
 QUICK = 10.0  # s: --changed takes no longer jobs but those of files that changed ...
 MINUTE = 120.0  # s of processor: ... and no more of them than this
@@ -144,10 +146,31 @@ def find(rows, folders):
     return jobs
 
 
-def changed_paths(commit):
+def day():
+    """Days from 1970 to the commit; 0: there is none."""
+    date = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%ct"], check=False, stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True).stdout
+    return int(date or 0) // 86400
+
+
+def with_turns(jobs):
+    """The jobs of the sets before `turn`, and of that what has its turn or watches what the last commit changed."""
+    turning = sorted((job for job in jobs if job.row.set == "turn"), key=lambda job: -job.row.seconds)
+    paths = changed_paths("HEAD~1", must=False)
+    now = [job for k, job in enumerate(turning) if (k + day()) % TURNS == 0 or job.source in paths or
+           any(path.startswith(w) for w in job.row.watches for path in paths)]
+    if len(now) < len(turning):
+        print(f"run.py: {len(turning) - len(now)} tests have no turn on this date: make test-long, ONLY run them",
+              flush=True)
+    return [job for job in jobs if SETS.index(job.row.set) < SETS.index("turn")] + now
+
+
+def changed_paths(commit, must=True):
     git = ["git", "-C", ROOT]
     paths = subprocess.run(git + ["diff", "--name-only", commit, "--"], check=False, stdout=subprocess.PIPE,
                            stderr=subprocess.PIPE, text=True)
+    if paths.returncode and not must:
+        return []
     if paths.returncode:
         sys.exit(f"run.py: BASE={commit} is no commit of this repository: {paths.stderr.strip().splitlines()[0]}")
     new = subprocess.run(git + ["ls-files", "--others", "--exclude-standard"], check=True, stdout=subprocess.PIPE,
@@ -186,12 +209,13 @@ def choose(jobs, arguments):
                          "verify/gas.py, tests/run.py --list lists them\n0 passed, 1 failed")
         jobs = [job for job in jobs if any(word in job.name for word in words)]
     else:
-        last = SETS.index("check" if arguments.check else "long" if arguments.long else "test")
         if arguments.changed:
             paths = changed_paths(arguments.changed)
             jobs = in_a_minute(watching([job for job in jobs if job.row.set != "long"], paths), paths)
-        else:
-            jobs = [job for job in jobs if SETS.index(job.row.set) <= last]
+        elif arguments.check:
+            jobs = [job for job in jobs if job.row.set == "check"]
+        elif not arguments.long:
+            jobs = with_turns(jobs)
     return sorted(jobs, key=lambda job: -job.row.seconds)
 
 

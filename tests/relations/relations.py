@@ -18,7 +18,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import zlib
 
@@ -27,6 +26,7 @@ sys.path[:0] = [os.path.join(HERE, ".."), HERE]
 import kept  # noqa: E402
 import numpy as np  # noqa: E402
 import random_scenes  # noqa: E402
+import run  # noqa: E402
 import runs  # noqa: E402
 import said  # noqa: E402
 from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
@@ -580,9 +580,7 @@ def scenes(first):
 
 def today():
     """The tenth that the date of the commit draws."""
-    date = subprocess.run(["git", "-C", runs.ROOT, "log", "-1", "--format=%ct"], stdout=subprocess.PIPE, text=True,
-                          check=False).stdout.strip()
-    return int(date or 0) // 86400 % TENTHS
+    return run.day() % TENTHS
 
 
 def of_part(name, part):
