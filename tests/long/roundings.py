@@ -3,10 +3,10 @@
 
     tests/long/roundings.py [--only NAMES] [--jobs N] [VARIANT ...]
 
-VARIANT: v2, v3, v4, O1, seeds; default: v3, O1 and seeds. Each variant is a copy of the tree in output/roundings, built and tested as `make test` does: what judges figures and
-takes at most DEAR seconds by tests/table.txt, or what --only names. Other instructions and other optimisation round
-otherwise; `seeds` adds ten to the seed of every packing. A test that fails here and passes in `make test` needs a
-quantity that does not scatter, or packings of a cheaper scene."""
+VARIANT: v2, v3, v4, O1, seeds; default: v3, O1 and seeds. Each is a copy of the tree in output/roundings, built and
+tested as `make test` does: what judges figures and takes at most DEAR seconds by tests/table.txt, or what --only names.
+Other instructions and other optimisation round otherwise; `seeds` adds ten to the seed of every packing. A test that
+fails here and passes in `make test` needs a quantity that does not scatter, or packings of a cheaper scene."""
 import argparse
 import os
 import subprocess

@@ -1,11 +1,13 @@
-"""The list of mutants: tests/mutants/*.ini, a file for each folder of src or tests that they change. An entry:
+"""The list of mutants: tests/mutants/*.ini, a file for each folder of src or tests that they change. A file that is
+changed, and its edits:
 
+    [src/pressure/source.c]
+    tests: unit/test_pressure, unit/test_neighbors on 2     those of edits that name none
     [name of the mutant]
-    file: src/pressure/source.c
     was: an expression that stands in the file once, however its blanks and lines are laid out
     is: what replaces it
     bug: what is wrong then, in a line
-    tests: unit/test_pressure, unit/test_neighbors on 2, verify/couette-printed, input/bad_input.py
+    tests: unit/test_pressure, verify/couette-printed, input/bad_input.py
     survives: if no test sees it: why (an equivalent mutant, or a gap)
 
 A file is a source of the program, a Python program of src/answers, src/pictures, src/python, tests/tradeoff or
@@ -26,7 +28,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 sys.path.insert(0, os.path.join(ROOT, "tests"))
 import run  # noqa: E402
 
-KEYS = {"file", "was", "is", "bug", "tests"}
+KEYS = {"was", "is", "bug"}
 VERIFY = "verify/"
 DEAR = 60  # s of a test that need not run after each change of a file whose bugs it sees
 PLACES = re.compile(r"src/(?:\w+/)?\w+\.[ch]$|src/pictures/\w+\.js$|"
@@ -55,16 +57,19 @@ class Mutant(NamedTuple):
 def read():
     """All mutants, in the order of the files."""
     parser = configparser.ConfigParser(delimiters=(":",), comment_prefixes=("#",), interpolation=None)
-    mutants = []
+    mutants, changed, tests = [], "", ""
     for path in sorted(glob.glob(os.path.join(HERE, "*.ini"))):
         with open(path, encoding="utf-8") as file:
             parser.read_file(file)
     for name in parser.sections():
         entry = parser[name]
-        if not KEYS <= set(entry) <= KEYS | {"survives"}:
-            raise ValueError(f"mutant {name} must have {', '.join(sorted(KEYS))} and may have survives")
-        tests = tuple(word.strip() for word in entry["tests"].split(","))
-        mutants.append(Mutant(name, entry["file"], entry["was"], entry["is"], entry["bug"], tests,
+        if "/" in name:
+            changed, tests = name, entry.get("tests", "")
+            continue
+        if not KEYS <= set(entry) <= KEYS | {"tests", "survives"} or not entry.get("tests", tests):
+            raise ValueError(f"mutant {name} must have {', '.join(sorted(KEYS))} and may have tests and survives")
+        mutants.append(Mutant(name, changed, entry["was"], entry["is"], entry["bug"],
+                              tuple(word.strip() for word in entry.get("tests", tests).split(",")),
                               entry.get("survives", "")))
     return mutants
 
