@@ -51,21 +51,25 @@ PetscReal PressureDepth(Pressure pressure, PetscInt a)
   return size * (pressure->depth[k] + (at - k) * (pressure->depth[k + 1] - pressure->depth[k]));
 }
 
-/* The mean of the shares u of the liquid around particle a that a pressure moves, by the weights of the Laplacian;
-   alone: its own. moves: 1, of others 0, as their shares are. */
-static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal u[], const PetscReal moves[])
+/* The mean of the shares of the liquid around particle a that a pressure moves, by the weights of the Laplacian; alone:
+   its own. kept: negative of others. */
+static PetscReal MeanShare(Cloud cloud, PetscInt a, const PetscReal kept[])
 {
-  const PetscInt64 first         = cloud->first[a];
-  const PetscInt   n             = (PetscInt)(cloud->first[a + 1] - first);
-  const PetscInt *restrict index = cloud->list + first;
-  const uint16_t *restrict coded = cloud->laplacian + first;
-  PetscReal sum = 0, weight = 0;
+  const PetscInt64 end    = cloud->first[a + 1];
+  const Simd       zero   = SimdSet(0);
+  Simd             shares = zero, weights = zero;
+  PetscReal        weight;
 
-  for (PetscInt k = 0; k < n; k++) {
-    sum += coded[k] * u[index[k]];
-    weight += coded[k] * moves[index[k]];
+  for (PetscInt64 k = cloud->first[a]; k < end; k += SIMD_WIDTH) {
+    const Simd     u      = SimdGather(kept, cloud->list + k);
+    const Simd     w      = SimdFirst(SimdCoded(cloud->laplacian, k), (PetscInt)PetscMin(end - k, SIMD_WIDTH));
+    const SimdMask liquid = u >= zero;
+
+    shares += (Simd)(liquid & (SimdMask)(w * u));
+    weights += (Simd)(liquid & (SimdMask)w);
   }
-  return weight > 0 ? sum / weight : u[a];
+  weight = SimdSum(weights);
+  return weight > 0 ? SimdSum(shares) / weight : PetscMax(0, kept[a]);
 }
 
 /* Where the pressures hold: of owned particles, then of ghosts. */
@@ -114,10 +118,26 @@ PetscBool PressureCarries(Pressure pressure)
   return pressure->carries;
 }
 
+/* The shares w, [n_total]. */
+static PetscErrorCode FindShares(Pressure pressure, PetscReal share[])
+{
+  const Cloud cloud = pressure->cloud;
+  PetscReal  *kept;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 1, &kept));
+  for (PetscInt a = 0; a < cloud->n_owned; a++)
+    kept[a] = a < cloud->n_fluid && !PressureHolds(pressure, a) ? cloud->field[FIELD_CARRIED][a] : -1;
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, kept));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = MeanShare(cloud, a, kept);
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, share));
+  PetscCall(CloudRestoreWork(cloud, &kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressurePredict(Pressure pressure)
 {
   const Cloud cloud = pressure->cloud;
-  PetscReal  *share, *kept, *moves;
 
   PetscFunctionBegin;
   pressure->balances = PETSC_FALSE;
@@ -125,31 +145,23 @@ PetscErrorCode PressurePredict(Pressure pressure)
   if (!pressure->carries) PetscFunctionReturn(PETSC_SUCCESS);
   if (cloud->n_total >= pressure->balance_capacity) {
     pressure->balance_capacity = cloud->capacity;
-    PetscCall(PetscFree2(pressure->carried, pressure->place));
-    PetscCall(PetscMalloc2(DIM * cloud->capacity, &pressure->carried, DIM * cloud->capacity, &pressure->place));
+    PetscCall(PetscFree4(pressure->carried, pressure->place, pressure->loaded, pressure->height));
+    PetscCall(PetscMalloc4(DIM * cloud->capacity, &pressure->carried, DIM * cloud->capacity, &pressure->place,
+                           cloud->capacity, &pressure->loaded, cloud->capacity, &pressure->height));
   }
   PetscCall(RowsNumber(pressure));
   PetscCall(FindPlaces(pressure));
-  PetscCall(CloudGetWork(cloud, 1, &share));
-  PetscCall(CloudGetWork(cloud, 1, &kept));
-  PetscCall(CloudGetWork(cloud, 1, &moves));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) {
-    moves[a] = a < cloud->n_fluid && !PressureHolds(pressure, a);
-    kept[a]  = moves[a] * cloud->field[FIELD_CARRIED][a];
-  }
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, moves));
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, kept));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = MeanShare(cloud, a, kept, moves);
-  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, share));
+  PetscCall(FindShares(pressure, pressure->loaded));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    PetscReal g[DIM];
+    const PetscReal *y = pressure->place + DIM * a;
+    PetscReal        f[DIM];
 
-    SceneAcceleration(cloud->scene, pressure->place + DIM * a, g);
-    for (PetscInt d = 0; d < DIM; d++) pressure->carried[DIM * a + d] = cloud->rest_density[a] * share[a] * g[d];
+    SceneAcceleration(cloud->scene, y, f);
+    pressure->loaded[a] *= cloud->rest_density[a];
+    pressure->height[a] = Dot(f, y);
+    for (PetscInt d = 0; d < DIM; d++) pressure->carried[DIM * a + d] = pressure->loaded[a] * f[d];
   }
-  PetscCall(CloudRestoreWork(cloud, &moves));
-  PetscCall(CloudRestoreWork(cloud, &kept));
-  PetscCall(CloudRestoreWork(cloud, &share));
+  pressure->uniform  = SceneForceUniform(cloud->scene);
   pressure->balances = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,37 +204,20 @@ PetscReal PressureSurrounds(Pressure pressure, PetscInt a, PetscReal slope[DIM])
   return P + PressureDepth(pressure, a) * Dot(T, n) / PetscSqrtReal(n2);
 }
 
-/* T_ab.(y_b - y_a) of SIMD_WIDTH pairs of particle a, Pa. */
-static inline Simd CarriedTo(Pressure pressure, const SimdOffsets *at, Simd3 place, Simd3 own)
-{
-  const Simd3 T = Simd3Collect(PETSC_FALSE, pressure->carried, at), y = Simd3Collect(PETSC_FALSE, pressure->place, at);
-
-  return 0.5 * ((T.x + own.x) * (y.x - place.x) + (T.y + own.y) * (y.y - place.y) + (T.z + own.z) * (y.z - place.z));
-}
-
-void BalanceRow(Pressure pressure, PetscInt a, PetscInt n, const PetscInt index[], PetscReal carried[])
-{
-  const Simd3 place = Simd3Set(pressure->place + DIM * a), own = Simd3Set(pressure->carried + DIM * a);
-
-  for (PetscInt k = 0; k < n; k += SIMD_WIDTH) {
-    const SimdOffsets at = SimdLocate(index + k);
-    const Simd        c  = CarriedTo(pressure, &at, place, own);
-
-    (void)memcpy(carried + k, &c, sizeof(c));
-  }
-}
-
 void BalanceAdd(Pressure pressure, PetscScalar rhs[])
 {
-  const Cloud cloud = pressure->cloud;
+  const Cloud     cloud = pressure->cloud;
+  const uint16_t *coded = pressure->own_weights ? NULL : cloud->laplacian;
 
   for (PetscInt a = 0; a < cloud->n_owned && pressure->balances; a++) {
-    const PetscInt64 first = cloud->first[a];
-    const PetscInt   n = (PetscInt)(cloud->first[a + 1] - first), r = a < cloud->n_rows ? a : ParentRow(pressure, a);
-    PetscReal        carried[ROW_CAPACITY + SIMD_WIDTH], sum        = 0;
+    const PetscInt64 end = cloud->first[a + 1];
+    const PetscInt   r   = a < cloud->n_rows ? a : ParentRow(pressure, a);
+    const Balance    own = BalanceOf(pressure, a);
+    Simd             sum = SimdSet(0);
 
-    BalanceRow(pressure, a, n, cloud->list + first, carried);
-    for (PetscInt k = 0; k < n; k++) sum -= PairWeight(pressure, first + k) * carried[k];
-    rhs[r] += pressure->weight_scale * sum;
+    for (PetscInt64 k = cloud->first[a]; k < end; k += SIMD_WIDTH)
+      sum += SimdFirst(SimdWeights(coded, pressure->pair_weight, k) * BalanceTo(pressure, &own, cloud->list + k),
+                       (PetscInt)PetscMin(end - k, SIMD_WIDTH));
+    rhs[r] -= pressure->weight_scale * SimdSum(sum);
   }
 }

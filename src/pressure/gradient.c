@@ -101,40 +101,32 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The differences p_b - p_a - T_ab.(y_b - y_a) of the row of a, padded as its factors are: what is not carried. */
-static void Differences(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscReal c[])
-{
-  const PetscReal *p      = pressure->cloud->field[FIELD_PRESSURE];
-  const PetscInt   padded = PaddedLength(row->n);
-
-  if (pressure->balances)
-    BalanceRow(pressure, a, row->n, row->index, c);
-  else
-    PetscArrayzero(c, padded);
-  for (PetscInt k = 0; k < padded; k += SIMD_WIDTH) {
-    const Simd t = SimdGather(p, row->index + k) - SimdSet(p[a]) - SimdLoad(c + k);
-
-    (void)memcpy(c + k, &t, sizeof(t));
-  }
-}
-
 /* For one row of the corrected gradient, inside -B_a sum V D grad W, D the pressure's difference that is not carried,
-   and near the surface -sum V (2 (p_a - P) + D) grad W, P the pressure outside. */
+   p_b - p_a - T_ab.(y_b - y_a), and near the surface -sum V (2 (p_a - P) + D) grad W, P the pressure outside. */
 static void CorrectedRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscBool mean, PetscReal scale,
                          PetscReal out[DIM])
 {
   const Cloud      cloud   = pressure->cloud;
   const PetscBool  surface = (PetscBool)(cloud->integer[INT_SURFACE][a] != 0);
-  const PetscReal  own     = surface ? 2 * (cloud->field[FIELD_PRESSURE][a] - pressure->outside[a]) : 0;
-  const PetscReal *rho     = cloud->rest_density;
-  PetscReal        c[ROW_CAPACITY + SIMD_WIDTH], jump[DIM] = {0, 0, 0}, sum[DIM];
+  const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE], *rho = cloud->rest_density;
+  const Simd       rise = SimdSet((surface ? 2 * (p[a] - pressure->outside[a]) : 0) - p[a]), zero = SimdSet(0);
+  const Simd3      place     = Simd3Set(x + DIM * a);
+  const Balance    balance   = pressure->balances ? BalanceOf(pressure, a) : (Balance){.loaded = zero};
+  Simd3            along     = {zero, zero, zero};
+  PetscReal        jump[DIM] = {0, 0, 0};
+  Vec4             sum;
 
-  Differences(pressure, a, row, c);
-  SIMD_LOOP()
-  for (PetscInt k = 0; k < PaddedLength(row->n); k++) c[k] = (own + c[k]) * row->f[k];
-  for (PetscInt k = 0; k < PaddedLength(row->n) && mean && !surface; k++)
-    c[k] *= 2 * rho[a] / (rho[a] + rho[row->index[k]]);
-  SumAlong(cloud, a, row, c, sum);
+  for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
+    const PetscInt   *b  = row->index + k;
+    const SimdOffsets at = SimdLocate(b);
+    Simd              D  = rise + SimdGather(p, b);
+
+    if (pressure->balances) D -= BalanceTo(pressure, &balance, b);
+    if (mean && !surface) D *= 2 * rho[a] / (rho[a] + SimdGather(rho, b));
+    Simd3Add(PETSC_FALSE, &along, D * SimdLoad(row->f + k),
+             Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), place));
+  }
+  sum = Simd3Sum(along, zero);
   if (cloud->liquid && cloud->at_interface[a]) JumpsSum(cloud, a, row, (PetscBool)(mean && !surface), jump);
   for (PetscInt d = 0; d < DIM; d++) sum[d] = scale * (sum[d] + jump[d]);
   if (!surface)
@@ -229,8 +221,11 @@ static PetscErrorCode OutsideGet(Pressure pressure)
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, 1, &pressure->outside));
   PetscCall(CloudGetWork(cloud, DIM, &pressure->outside_slope));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    pressure->outside[a] = PressureSurrounds(pressure, a, pressure->outside_slope + DIM * a);
+  PetscCall(PetscArraycpy(pressure->outside, cloud->field[FIELD_CAPILLARY], cloud->n_fluid));
+  PetscCall(PetscArraycpy(pressure->outside_slope, cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_fluid));
+  for (PetscInt a = 0; a < cloud->n_fluid && pressure->balances; a++)
+    if (cloud->integer[INT_SURFACE][a])
+      pressure->outside[a] = PressureSurrounds(pressure, a, pressure->outside_slope + DIM * a);
   for (PetscInt k = 0; k < pressure->low_ranks; k++)
     if (pressure->low_rank[k].term->outside)
       PetscCall(pressure->low_rank[k].term->outside(pressure->low_rank[k].context, pressure, pressure->outside,

@@ -211,16 +211,6 @@ static PetscErrorCode SetDiagonal(Pressure pressure)
    'plain'. The loop reads up to the next multiple of SIMD_WIDTH: into the next row, or the padding behind the last. It
    takes half of the solver's time. */
 #if defined(__AVX2__)
-static inline Simd Weights(const uint16_t *coded, const float *plain, PetscInt k)
-{
-  if (!coded) return SimdLoadSingle(plain + k);
-  #if SIMD_WIDTH == 8
-  return (Simd)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))));
-  #else
-  return (Simd)_mm256_cvtepi32_pd(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(coded + k))));
-  #endif
-}
-
 static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *restrict coded,
                                 const float *restrict plain, PetscInt n, const PetscReal *restrict p, PetscReal own)
 {
@@ -229,10 +219,11 @@ static inline PetscReal PairSum(const PetscInt *restrict index, const uint16_t *
   PetscInt   k = 0;
 
   for (; k + 2 * SIMD_WIDTH <= n; k += 2 * SIMD_WIDTH) {
-    even += Weights(coded, plain, k) * (all - SimdGather(p, index + k));
-    odd += Weights(coded, plain, k + SIMD_WIDTH) * (all - SimdGather(p, index + k + SIMD_WIDTH));
+    even += SimdWeights(coded, plain, k) * (all - SimdGather(p, index + k));
+    odd += SimdWeights(coded, plain, k + SIMD_WIDTH) * (all - SimdGather(p, index + k + SIMD_WIDTH));
   }
-  for (; k < n; k += SIMD_WIDTH) even += SimdFirst(Weights(coded, plain, k), n - k) * (all - SimdGather(p, index + k));
+  for (; k < n; k += SIMD_WIDTH)
+    even += SimdFirst(SimdWeights(coded, plain, k), n - k) * (all - SimdGather(p, index + k));
   return SimdSum(even + odd);
 }
 #else /* with shorter registers the compiler's own loop is faster */

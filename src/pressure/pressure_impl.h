@@ -86,6 +86,9 @@ struct _p_Pressure {
   PetscBool  balances; /* it does, between PressurePredict and PressureKeepCarried */
   PetscReal *carried;  /* [n_total][3] T, Pa/m */
   PetscReal *place;    /* [n_total][3] where the pressure of a particle holds, m */
+  PetscReal *loaded;   /* [n_total] rho w, kg/m3 */
+  PetscReal *height;   /* [n_total] f.place, J/kg, if f is uniform */
+  PetscBool  uniform;
   PetscInt   balance_capacity;
   PetscReal  depth[DEPTH_TABLE + 1]; /* m, at which |sum V grad W| is k/DEPTH_TABLE of that on a plane surface */
 
@@ -149,6 +152,26 @@ static inline PetscReal PairWeight(Pressure pressure, PetscInt64 k)
   return pressure->own_weights ? pressure->pair_weight[k] : pressure->cloud->laplacian[k];
 }
 
+/* The weights of SIMD_WIDTH pairs from k on: SimdCoded of the cloud; SimdWeights of it, or, if it is NULL, 'plain'. */
+static inline Simd SimdCoded(const uint16_t *coded, PetscInt64 k)
+{
+  typedef uint16_t Coded __attribute__((vector_size(SIMD_WIDTH * sizeof(uint16_t))));
+  Coded            t;
+
+#if defined(__AVX512F__)
+  return (Simd)_mm512_cvtepi32_pd(_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(coded + k))));
+#elif defined(__AVX2__)
+  return (Simd)_mm256_cvtepi32_pd(_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(coded + k))));
+#endif
+  (void)memcpy(&t, coded + k, sizeof(t));
+  return __builtin_convertvector(t, Simd);
+}
+
+static inline Simd SimdWeights(const uint16_t *coded, const float *plain, PetscInt64 k)
+{
+  return coded ? SimdCoded(coded, k) : SimdLoadSingle(plain + k);
+}
+
 /* The factor (1) of the row of a particle with this volume (m3) and rest density (kg/m3): see PressureRowWeight. */
 static inline PetscReal RowWeight(Pressure pressure, PetscReal volume, PetscReal rest)
 {
@@ -197,12 +220,34 @@ PetscErrorCode JumpsSetUp(Pressure pressure);
 void           JumpsAdd(Pressure pressure, PetscScalar rhs[]);
 void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscBool mean, PetscReal sum[DIM]);
 
-/* BalanceSetUp - makes the table of PressureDepth. BalanceRow - sets T_ab.(y_b - y_a) (Pa) of particle a's n neighbours
-   'index', padded to a multiple of SIMD_WIDTH. BalanceAdd - adds what is carried inside the liquid to the right-hand
-   side ([n_rows]). Not collective. */
+/* BalanceSetUp - makes the table of PressureDepth. BalanceAdd - adds what is carried inside the liquid to the
+   right-hand side ([n_rows]). BalanceOf - what of particle a BalanceTo needs; BalanceTo - T_ab.(y_b - y_a) (Pa) of
+   SIMD_WIDTH of its neighbours b, between PressurePredict and PressureKeepCarried. Not collective. */
+typedef struct {
+  Simd3 place, carried;
+  Simd  loaded, height;
+} Balance;
 void BalanceSetUp(Pressure pressure);
-void BalanceRow(Pressure pressure, PetscInt a, PetscInt n, const PetscInt index[], PetscReal carried[]);
 void BalanceAdd(Pressure pressure, PetscScalar rhs[]);
+
+static inline Balance BalanceOf(Pressure pressure, PetscInt a)
+{
+  return (Balance){Simd3Set(pressure->place + DIM * a), Simd3Set(pressure->carried + DIM * a),
+                   SimdSet(pressure->loaded[a]), SimdSet(pressure->height[a])};
+}
+
+static inline Simd BalanceTo(Pressure pressure, const Balance *own, const PetscInt b[SIMD_WIDTH])
+{
+  const PetscBool   flat = PETSC_FALSE;
+  const SimdOffsets at   = SimdLocate(b);
+  Simd3             T, y;
+
+  if (pressure->uniform)
+    return 0.5 * (SimdGather(pressure->loaded, b) + own->loaded) * (SimdGather(pressure->height, b) - own->height);
+  T = Simd3Collect(flat, pressure->carried, &at);
+  y = Simd3Difference(flat, Simd3Collect(flat, pressure->place, &at), own->place);
+  return 0.5 * Simd3Dot(flat, (Simd3){T.x + own->carried.x, T.y + own->carried.y, T.z + own->carried.z}, y);
+}
 
 /* SetConvergence - sets the solver's test, after its options are read: it stops at density_tolerance, or else at
    -ksp_rtol and -ksp_atol in the 2-norm of the residual. Collective. */

@@ -6,7 +6,7 @@
 #include "pressure_impl.h"
 
 /* Of T, for liquid whose weight is carried: a tank at rest moves by half more with 1, and a wave gains what the errors
-   of density at its surface give. */
+   of density at its surface give; no reference. */
 #define LOADED      0.4
 #define LEAST_STEPS 3 /* in which the divergence source corrects density errors; SourceDivergence says why */
 

@@ -100,6 +100,11 @@ static void AddCentral(Domain domain, const void *data, const PetscReal x[DIM], 
   for (PetscInt d = 0; d < domain->dim; d++) g[d] -= square * x[d];
 }
 
+static PetscBool CentralVaries(const void *data)
+{
+  return (PetscBool)(*(const PetscReal *)data > 0);
+}
+
 static PetscReal CentralPotential(Domain domain, const void *data, const PetscReal x[DIM])
 {
   const PetscReal square = PetscSqr(*(const PetscReal *)data);
@@ -126,11 +131,35 @@ static const ForceOps ForceShaking = {.size      = sizeof(Shaking),
 static const ForceOps ForceCentral = {.size      = sizeof(PetscReal),
                                       .rows      = central,
                                       .add       = AddCentral,
+                                      .varies    = CentralVaries,
                                       .potential = CentralPotential};
 
 const ForceOps *const Forces[] = {&ForceGravity, &ForceShaking, &ForceCentral, &ForceFrame, NULL};
 
 /* --- all of them --- */
+
+static inline PetscBool Varies(Scene scene, PetscInt k)
+{
+  return (PetscBool)(!Forces[k]->direction && (!Forces[k]->varies || Forces[k]->varies(scene->force[k])));
+}
+
+/* Sums the forces that are the same everywhere. */
+static void SumUniform(Scene scene)
+{
+  PetscReal g[DIM];
+
+  scene->varies = PETSC_FALSE;
+  for (PetscInt d = 0; d < DIM; d++) scene->uniform[d] = scene->drive[d] = 0;
+  for (PetscInt k = 0; Forces[k]; k++) {
+    if (Varies(scene, k)) scene->varies = PETSC_TRUE;
+    if (!Forces[k]->direction) continue;
+    Forces[k]->add(scene->domain, scene->force[k], NULL, scene->uniform);
+    if (!Forces[k]->potential) Forces[k]->add(scene->domain, scene->force[k], NULL, scene->drive);
+    Forces[k]->direction(scene->force[k], g);
+    for (PetscInt d = 0; d < DIM && Forces[k]->potential; d++)
+      scene->drive[d] += GoesRound(scene->domain, d) ? g[d] : 0;
+  }
+}
 
 PetscErrorCode ForcesRead(Scene scene, OptionItems PetscOptionsObject)
 {
@@ -165,6 +194,7 @@ PetscErrorCode ForcesCheck(Scene scene)
                    "%s must be along the axis of -frame_rotation_rate: any other gravity would rotate in that frame",
                    Forces[k]->rows->name);
   }
+  SumUniform(scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,6 +238,7 @@ void SceneSetTime(Scene scene, PetscReal time)
   scene->time = time;
   for (PetscInt k = 0; Forces[k]; k++)
     if (Forces[k]->at) Forces[k]->at(scene->force[k], time);
+  SumUniform(scene);
 }
 
 PetscReal SceneTime(Scene scene)
@@ -217,8 +248,9 @@ PetscReal SceneTime(Scene scene)
 
 void SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM])
 {
-  for (PetscInt d = 0; d < DIM; d++) g[d] = 0;
-  for (PetscInt k = 0; Forces[k]; k++) Forces[k]->add(scene->domain, scene->force[k], x, g);
+  for (PetscInt d = 0; d < DIM; d++) g[d] = scene->uniform[d];
+  for (PetscInt k = 0; scene->varies && Forces[k]; k++)
+    if (Varies(scene, k)) Forces[k]->add(scene->domain, scene->force[k], x, g);
 }
 
 void ForcesMost(Scene scene, const PetscReal x[DIM], PetscReal most[DIM])
@@ -239,17 +271,15 @@ void ForcesMost(Scene scene, const PetscReal x[DIM], PetscReal most[DIM])
 
 PetscBool SceneDrive(Scene scene, const PetscReal x[DIM], PetscReal drive[DIM])
 {
-  for (PetscInt d = 0; d < DIM; d++) drive[d] = 0;
-  for (PetscInt k = 0; Forces[k]; k++) {
-    PetscReal g[DIM] = {0, 0, 0};
-
-    if (!Forces[k]->potential)
-      Forces[k]->add(scene->domain, scene->force[k], x, drive);
-    else if (Forces[k]->direction)
-      Forces[k]->direction(scene->force[k], g);
-    for (PetscInt d = 0; d < DIM; d++) drive[d] += GoesRound(scene->domain, d) ? g[d] : 0;
-  }
+  for (PetscInt d = 0; d < DIM; d++) drive[d] = scene->drive[d];
+  for (PetscInt k = 0; scene->varies && Forces[k]; k++)
+    if (Varies(scene, k) && !Forces[k]->potential) Forces[k]->add(scene->domain, scene->force[k], x, drive);
   return (PetscBool)(Norm(drive) > 0);
+}
+
+PetscBool SceneForceUniform(Scene scene)
+{
+  return (PetscBool)!scene->varies;
 }
 
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM])

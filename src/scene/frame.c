@@ -69,6 +69,11 @@ static void Add(Domain domain, const void *data, const PetscReal x[DIM], PetscRe
   for (PetscInt d = 0; d < domain->dim; d++) g[d] += Dot(w, w) * r[d] - Dot(w, r) * w[d];
 }
 
+static PetscBool Varies(const void *data)
+{
+  return (PetscBool)(Norm(((const Frame *)data)->rate) > 0);
+}
+
 static PetscReal Potential(Domain domain, const void *data, const PetscReal x[DIM])
 {
   PetscReal g[DIM] = {0, 0, 0}, energy = 0;
@@ -91,4 +96,5 @@ PetscErrorCode FrameView(Scene scene, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const ForceOps ForceFrame = {.size = sizeof(Frame), .rows = rows, .check = Check, .add = Add, .potential = Potential};
+const ForceOps ForceFrame = {
+  .size = sizeof(Frame), .rows = rows, .check = Check, .add = Add, .varies = Varies, .potential = Potential};

@@ -207,8 +207,10 @@ PetscBool SceneDrive(Scene scene, const PetscReal x[DIM], PetscReal drive[DIM]);
 PetscBool SceneFrameTurns(Scene scene);
 void      SceneFrameRate(Scene scene, PetscReal rate[DIM]);
 /* SceneAcceleration - acceleration g (m/s2) of all body forces at x (m): gravity, shaking, central and centrifugal.
-   SceneForcePotential - the potential (J/kg) of those that have one, without SceneDrive. */
+   SceneForceUniform - whether it is the same everywhere. SceneForcePotential - the potential (J/kg) of those that have
+   one, without SceneDrive. */
 void      SceneAcceleration(Scene scene, const PetscReal x[DIM], PetscReal g[DIM]);
+PetscBool SceneForceUniform(Scene scene);
 PetscReal SceneForcePotential(Scene scene, const PetscReal x[DIM]);
 /* SceneHasViscosity, SceneHasTension - whether any body has a viscosity or a surface tension; if not, the step skips
    that part. */

@@ -24,6 +24,8 @@ struct _p_Scene {
   PetscReal        interface_tension;        /* N/m; 0: the liquids mix */
   PetscInt         liquid[SCENE_MAX_BODIES]; /* 0 or 1, see SceneLiquid */
   void           **force;                    /* [k]: data of Forces[k] */
+  PetscReal        uniform[DIM], drive[DIM]; /* m/s2, of the forces that are the same everywhere: all, see SceneDrive */
+  PetscBool        varies;                   /* another force is not */
   struct _p_Frame *frame;                    /* NULL: not read */
   PetscReal        time;                     /* of SceneSetTime, s; NAN: not yet set */
   PetscReal        solid_time;               /* of SceneMoveSolids, s */
@@ -74,6 +76,7 @@ typedef struct {
   void (*at)(void *data, PetscReal time);                   /* it is that at a time (s) from now on; NAN: before any */
   PetscBool (*moments)(const void *data, Moments *moments); /* adds its own; whether it depends on the time */
   void (*direction)(const void *data, PetscReal g[DIM]);    /* of a force that is the same everywhere: along it */
+  PetscBool (*varies)(const void *data); /* whether any other force is not 0 everywhere; NULL: it is not */
   PetscErrorCode (*check)(Scene scene, void *data);         /* completes; refuses (UserError) contradictions */
 } ForceOps;
 extern const ForceOps        ForceFrame;

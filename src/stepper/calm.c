@@ -18,7 +18,8 @@
    the cosine between f and the outward normal. */
 #include "stepper_impl.h"
 
-#define RATE 0.3 /* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1 */
+/* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1; no reference. */
+#define RATE 0.3
 /* 10 lets a hanging drop of 13 spacings creep, 60 and 100 hold its contact radius within 1 % (five packings);
    no reference */
 #define HANGING 60
