@@ -93,10 +93,13 @@ def rings(points, share, size, drop, spacing, corners, level):
                           np.array([reach, reach, top]), np.tile(share, 2), np.tile(size, 2), True)
 
 
-def draw_section(axes, image):
+def draw_section(axes, image, loops):
     """The section through the axis, drop and film filled."""
     x0, x1, z0, z1 = (1e3 * x for x in SECTION)
-    axes.imshow(image, origin="lower", extent=(x0, x1, z0, z1), interpolation="bilinear", aspect="equal")
+    drawn = axes.imshow(image, origin="lower", extent=(x0, x1, z0, z1), interpolation="bilinear", aspect="equal")
+    if loops:
+        edge = Path.make_compound_path(*(Path(1e3 * loop, closed=False) for loop in loops))
+        drawn.set_clip_path(edge, axes.transData)
     axes.axhline(0, color="0.45", lw=0.6, ls=(0, (4, 4)))
     axes.set(xlim=(x0, x1), ylim=(z0, z1))
 
@@ -104,8 +107,9 @@ def draw_section(axes, image):
 def moment(mirrors, quarter, file):
     """What figure 1 shows of a snapshot: the surface as both cameras see it, and the section."""
     liquid = read_snapshot(file, mirrors, quarter)
-    return (surface.painted(liquid, EYE), surface.painted(liquid, ABOVE, pale=True),
-            surface.section(liquid, SECTION, 0.25 * liquid.spacing))
+    eye = surface.painted(liquid, EYE)
+    return (eye, surface.painted(liquid, ABOVE, pale=True),
+            (surface.section(liquid, SECTION, 0.25 * liquid.spacing), surface.outline(*eye[:2])))
 
 
 def figure_1(folder, times, quarter, path):
@@ -125,19 +129,24 @@ def figure_1(folder, times, quarter, path):
         wide = above * PANEL[0] / PANEL[1]
         row[1].imshow(surface.render(*top, ABOVE, PANEL), extent=(-wide, wide, -above, above),
                       interpolation="antialiased")
-        draw_section(row[2], middle)
+        draw_section(row[2], *middle)
         for panel in row:
             panel.set(xticks=[], yticks=[])
             for spine in panel.spines.values():
                 spine.set(color="0.8", lw=0.8)
-        row[0].text(0.025, 0.955, f"{time * 1e3:.3g} ms", transform=row[0].transAxes, va="top", size=13, weight="bold")
+        row[0].text(0.025, 0.955, f"{round(1e3 * time, 1):g} ms", transform=row[0].transAxes, va="top", size=13, weight="bold")
     titles = ("drop and film", "the drop's liquid from above", "section through the axis")
     for panel, title in zip(axes[0], titles):
         panel.set_title(title, size=11)
-    axes[-1][1].plot([7, 17], [-11.6, -11.6], color="black", lw=2)
-    axes[-1][1].text(12, -11.2, "10 mm", ha="center", va="bottom", size=10)
-    axes[-1][2].plot([8.5, 18.5], [15.6, 15.6], color="black", lw=2)
-    axes[-1][2].text(13.5, 15.1, "10 mm", ha="center", va="top", size=10)
+    for panel, x, z in ((axes[-1][1], 7, -11.6), (axes[-1][2], 8.5, 14.4)):
+        panel.plot([x, x + 10], [z, z], color="black", lw=2)
+        panel.text(x + 5, z + 0.4, "10 mm", ha="center", va="bottom", size=10)
+    legend = [Patch(color=color, label=label) for color, label in (
+        (surface.DROP_COLOR, "liquid of the drop"), (surface.FILM_COLOR, "of the film"),
+        (surface.THIN_COLOR, "where it is thin"), (surface.PALE_COLOR, "of the film, pale"))]
+    halves = sorted({face[0] for face in mirrors} | ({"x", "y"} if quarter else set()))
+    figure.legend(handles=legend, loc="upper center", bbox_to_anchor=(0.51, 0.108), ncols=4, frameon=False, fontsize=11,
+                  title=f"computed on one side of the axis in {' and '.join(halves)}, mirrored" if halves else None)
     figure.savefig(path, dpi=140, bbox_inches="tight", pad_inches=0.06)
     plt.close(figure)
 
@@ -223,6 +232,8 @@ if __name__ == "__main__":
         import numpy as np
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
+        from matplotlib.patches import Patch
+        from matplotlib.path import Path
         with_display()
         import surface
         from run import first_part, shares

@@ -9,9 +9,10 @@ import functools
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
-from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkFlyingEdges2D, vtkFlyingEdges3D, vtkPolyDataNormals,
-                                       vtkStripper, vtkTriangleFilter, vtkWindowedSincPolyDataFilter)
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPlane, vtkPolyData
+from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkCutter, vtkFlyingEdges2D, vtkFlyingEdges3D, vtkPolyDataNormals,
+                                       vtkSmoothPolyDataFilter, vtkStripper, vtkTriangleFilter,
+                                       vtkWindowedSincPolyDataFilter)
 from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingGeneral import vtkImageGaussianSmooth
@@ -27,9 +28,12 @@ WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
-BEHIND = 3  # nodes behind a face at which the liquid ends flat: its edges, which the mesh filter rounds, are cut there
+BEHIND = 8  # most nodes behind a face at which the liquid ends flat: its edges, which filters round, are cut there
 SMOOTHING = 60  # iterations of the mesh filter (Taubin, Zhang and Golub 1996)
 PASS_BAND = 0.02  # of the mesh filter: bumps of some three spacings go, sheets and the tips of jets stay
+TOO_FAR = 0.075  # spacings, by which the contour at LEVEL of a flat surface is outside the liquid
+TURNS = (0, 8, 32)  # iterations, over the square of the cells in a spacing, for sizes 1, 2, 4: over 0.7 own spacings
+RELAXED = 0.5  # share of the way to the mean of its neighbours that a corner goes in an iteration
 SOFT = 6  # passes that average the normals of a picture
 SHARP = 4  # power of the cosine between two normals with which they are averaged: an edge stays
 WIDE = 1.5e-3  # m, reach of the shade in hollows
@@ -37,6 +41,8 @@ AROUND = 240  # corners of a surface of revolution around its axis
 
 FILM_COLOR = np.array([0.07, 0.35, 0.63])
 DROP_COLOR = np.array([0.93, 0.36, 0.09])
+THIN_COLOR = np.array([0.45, 0.74, 0.90])  # where light comes through
+DEEP = 0.8  # share of liquid around a point WIDE below a flat surface
 PALE_COLOR = np.array([0.55, 0.60, 0.66])  # the film, in pictures that show the drop's liquid
 ZENITH, HORIZON, GROUND = np.array([0.52, 0.70, 0.90]), np.array([0.95, 0.97, 1.0]), np.array([0.30, 0.36, 0.42])
 
@@ -201,23 +207,26 @@ class Liquid:
         near, (of_drop, share, size) = with_images(self.points, (self.of_drop, self.share, self.size), lower, upper,
                                                    margin * self.cell)
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (spacing / self.cell) ** dim
-        self.drop, self.all = spread(places, size, (weight * of_drop, weight), shape, FILTER * spacing / self.cell)
+        self.drop, self.all, sized = spread(places, size, (weight * of_drop, weight, weight * size), shape,
+                                            FILTER * spacing / self.cell)
+        self.sized = sized / np.maximum(self.all, 1e-6)
         self.hollow = blur(np.minimum(self.all[(slice(None, None, 4),) * dim], 1), WIDE / (4 * self.cell))
         # The block of liquid ends at the sides and the bottom of the box with flat faces; mesh() cuts it there.
         self.lower, self.upper = np.array(lower, float), np.array([*upper[:2], np.inf])
         layer = int(np.ceil(spacing / self.cell))
-        self.block = np.minimum(self.all, 1)
+        self.block, behind = np.minimum(self.all, 1), min(BEHIND, margin - 2)
         self.block[..., :margin + layer] = self.block[..., margin + layer, None]
         for axis in range(dim - 1):
             beyond = np.ones(shape[axis], bool)
-            beyond[margin - BEHIND:margin + int(round(extent[axis] / self.cell)) + 1 + BEHIND] = False
+            beyond[margin - behind:margin + int(round(extent[axis] / self.cell)) + 1 + behind] = False
             np.moveaxis(self.block, axis, 0)[beyond] = 0
-        self.block[..., :margin - BEHIND] = 0
+        self.block[..., :margin - behind] = 0
 
     @functools.lru_cache(maxsize=1)
     def mesh(self):
         """The surface in the form of triangles(), for all pictures of this liquid."""
-        points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell)
+        points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell, self.sized,
+                                           self.spacing)
         flat = cut(points, self.lower, self.upper, self.rings)
         return flat, softened(faced(normals, points, flat), cells), cells
 
@@ -251,6 +260,12 @@ class Liquid:
         return np.clip(1.15 - 0.8 * sample(self.hollow, places), 0.4, 1)
 
 
+    def thinness(self, points, normals):
+        """How much light comes through the liquid behind a surface: 0 deep, 1 a sheet or a jet."""
+        behind = sample(self.hollow, self.places(points - normals * WIDE) / 4)
+        return np.clip((DEEP - behind) / DEEP, 0, 1)
+
+
 def contour(field, level, origin, cell, edges):
     """The contour (vtkPolyData) of a field at a level as VTK's filter 'edges' finds it."""
     image = vtkImageData()
@@ -279,6 +294,32 @@ def smoothed(mesh):
     smooth.SetPassBand(PASS_BAND)
     smooth.FeatureEdgeSmoothingOff()
     smooth.NormalizeCoordinatesOn()
+    return passed(smooth, mesh)
+
+
+def flattened(mesh, sized, origin, cell, spacing):
+    """A mesh without the bumps that the particles of a place cannot resolve: by the Laplacian, weighted by their size,
+    which leaves thin sheets and jets alone, since their particles are small. sized: see triangles()."""
+    if mesh.GetNumberOfPoints() == 0 or sized.max() < SIZE_STEP:
+        return mesh
+    points = vtk_to_numpy(mesh.GetPoints().GetData())
+    kind = np.log2(np.clip(sample(sized, (points[:, :sized.ndim] - origin) / cell), 1, 2 ** (len(TURNS) - 1)))
+    total, done, smoother = 0, 0, mesh
+    for k, own in enumerate(TURNS):
+        turns = int(own * (spacing / cell) ** 2)
+        if turns > done:
+            smoother, done = relaxed(smoother, turns - done), turns
+        total = total + np.clip(1 - np.abs(kind - k), 0, 1)[:, None] * vtk_to_numpy(smoother.GetPoints().GetData())
+    mesh.GetPoints().SetData(numpy_to_vtk(total.astype(np.float32), deep=True))
+    return mesh
+
+
+def relaxed(mesh, turns):
+    smooth = vtkSmoothPolyDataFilter()
+    smooth.SetNumberOfIterations(turns)
+    smooth.SetRelaxationFactor(RELAXED)
+    smooth.SetConvergence(0)
+    smooth.FeatureEdgeSmoothingOff()
     return passed(smooth, mesh)
 
 
@@ -314,9 +355,10 @@ def softened(normals, cells):
     return normals
 
 
-def triangles(field, level, origin, cell):
+def triangles(field, level, origin, cell, sized=None, spacing=0.0):
     """The smoothed surface of a field at a level: points [n][3], normals [n][3] (outward), triangles [m][3]. A field in
-    two dimensions is of rings; its first direction crosses the axis."""
+    two dimensions is of rings; its first direction crosses the axis. sized: of the particles there, over their
+    spacing (m), a field, too; with it a flat surface is where the liquid ends, though the level is not a half."""
     if field.ndim == 2:
         first = int(round(-origin[0] / cell))
         joined = vtkStripper()
@@ -325,10 +367,19 @@ def triangles(field, level, origin, cell):
         edges = contour(np.ascontiguousarray(field[first:]), level, (0, origin[1]), cell, vtkFlyingEdges2D())
         lines = passed(joined, edges)
         ends = vtk_to_numpy(lines.GetPoints().GetData())[:, 0] < 1e-6 * cell if lines.GetNumberOfPoints() else []
-        return revolve(smoothed(lines), ends)
-    edges = vtkFlyingEdges3D()
-    edges.ComputeNormalsOff()
-    return with_normals(smoothed(contour(field, level, origin, cell, edges)), False)
+        origin, sized = np.array([0, origin[1]]), None if sized is None else sized[first:]
+        lines = smoothed(lines)
+        points, normals, cells = revolve(lines if sized is None else flattened(lines, sized, origin, cell, spacing), ends)
+    else:
+        edges = vtkFlyingEdges3D()
+        edges.ComputeNormalsOff()
+        mesh = smoothed(contour(field, level, origin, cell, edges))
+        mesh = mesh if sized is None else flattened(mesh, sized, origin, cell, spacing)
+        points, normals, cells = with_normals(mesh, False)
+    if sized is not None and len(points):
+        places = (in_plane(points, (0, 1, 2)[:field.ndim]) - origin) / cell
+        points = points - TOO_FAR * spacing * sample(sized, places)[:, None] * normals
+    return points, normals, cells
 
 
 def revolve(lines, on_axis=()):
@@ -503,13 +554,14 @@ def painted(liquid, camera, pale=False):
     toward = eye - points if "angle" in camera else np.broadcast_to(eye - focus, points.shape)
     toward = toward / np.linalg.norm(toward, axis=1, keepdims=True)
     film = PALE_COLOR if pale else FILM_COLOR
+    film = film + liquid.thinness(points, normals)[:, None] * (THIN_COLOR - film)
     base = film + share[:, None] * (DROP_COLOR - film)
     shade = liquid.shade(points, normals)
     return points, cells, colors(normals, base, shade, toward, 0.3 if pale else 1.0)
 
 
 def section(liquid, window, pixels):
-    """The section at y = 0, seen along y: image [rows][columns][4], from 0 to 1.
+    """Colours of the section at y = 0, seen along y: image [rows][columns][3], from 0 to 1; outline() has its edge.
 
     window: x and z limits (x0, x1, z0, z1), m; pixels: the size of a pixel, m.
     """
@@ -523,6 +575,27 @@ def section(liquid, window, pixels):
         weight *= liquid.spacing * np.exp(-(y / deviation) ** 2 / 2) / (deviation * np.sqrt(2 * np.pi))
     drop, both = spread(places, size, (weight * liquid.of_drop[slab], weight), shape, FILTER * liquid.spacing / pixels)
     share = np.clip((drop / np.maximum(both, 1e-6) - 0.1) / 0.3, 0, 1)[..., None]  # thin layers show
-    cover = np.clip((both - LEVEL) * 4 + 0.5, 0, 1)[..., None]
-    image = np.concatenate([FILM_COLOR + share * (DROP_COLOR - FILM_COLOR), cover], axis=2)
-    return image.transpose(1, 0, 2)
+    return (FILM_COLOR + share * (DROP_COLOR - FILM_COLOR)).transpose(1, 0, 2)
+
+
+def outline(points, cells):
+    """Where a surface crosses y = 0: loops of x and z, each [n][2], in m."""
+    mesh, corners, polygons = vtkPolyData(), vtkPoints(), vtkCellArray()
+    corners.SetData(numpy_to_vtk(points, deep=True))
+    polygons.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells.ravel(), np.int64), deep=True))
+    mesh.SetPoints(corners)
+    mesh.SetPolys(polygons)
+    plane, cutter, joined = vtkPlane(), vtkCutter(), vtkStripper()
+    plane.SetOrigin(0, 1e-6 * np.ptp(points[:, 1]), 0)  # not through the corners that a mirror has
+    plane.SetNormal(0, 1, 0)
+    cutter.SetCutFunction(plane)
+    clean = vtkCleanPolyData()  # joins the corners at which normals part
+    joined.SetMaximumLength(len(points) + 4)
+    joined.JoinContiguousSegmentsOn()
+    lines = passed(joined, passed(clean, passed(cutter, mesh)))
+    if not lines.GetNumberOfLines():
+        return []
+    places = vtk_to_numpy(lines.GetPoints().GetData())[:, [0, 2]].astype(float)
+    ends = vtk_to_numpy(lines.GetLines().GetOffsetsArray())
+    order = vtk_to_numpy(lines.GetLines().GetConnectivityArray())
+    return [places[order[low:high]] for low, high in zip(ends, ends[1:])]

@@ -95,11 +95,12 @@ class Fluid:
         shape = np.ceil((upper - lower) / self.cell).astype(int) + 2 * int(np.ceil(margin / self.cell)) + 1 + run.rings
         near, (value, share, size) = surface.images(run, self.points, [values, share, size], margin)
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (run.spacing / self.cell) ** len(axes)
-        self.fraction, *self.moment = surface.spread(places, size, [weight, *(weight * value.T)], shape,
-                                                     surface.FILTER * run.spacing / self.cell)
+        self.fraction, sized, *self.moment = surface.spread(
+            places, size, [weight, weight * size, *(weight * value.T)], shape, surface.FILTER * run.spacing / self.cell)
+        self.sized = sized / np.maximum(self.fraction, 1e-6)
         for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
             nodes = self.origin[d] + self.cell * np.arange(shape[d])
-            behind = (surface.BEHIND + 0.5) * self.cell
+            behind = (min(surface.BEHIND, margin / self.cell - 2) + 0.5) * self.cell
             for side, beyond in ((0, nodes < run.lower[axis] - behind), (1, nodes > run.upper[axis] + behind)):
                 if run.faces[axis][side] != "open":
                     for field in (self.fraction, *self.moment):
@@ -134,7 +135,8 @@ class Fluid:
 
     def mesh(self):
         """Points, normals, triangles of the surface, and which particles are outside it."""
-        points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell)
+        points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell, self.sized,
+                                                   self.spacing)
         lonely = surface.sample(self.fraction, self.places(self.points)) < surface.LEVEL
         return points, normals, cells, lonely
 

@@ -164,6 +164,28 @@ values = fluid.values(corners)
 runs.check_within(values.min(), 6.9, 7, "least_value_on_the_surface")
 runs.check_within(values.max(), 7, 7.1, "greatest_value_on_the_surface")
 
+# large particles that lie unevenly make a flat surface at the liquid's level, the edges of the box too, and its section
+LARGE = 4
+basin = types.SimpleNamespace(lower=np.array([-0.4, -0.4, 0]), upper=np.array([0.4, 0.4, 0.5]), spacing=D0, rings=False,
+                              faces=[["wall", "wall"], ["wall", "wall"], ["wall", "open"]])
+film = np.stack(np.meshgrid(*[0.4 * (2 * (np.arange(n) + 0.5) / n - 1) for n in (20, 20)],
+                            LARGE * D0 * (np.arange(4) + 0.5), indexing="ij"), axis=-1).reshape(-1, 3)
+film[:, 2] += 0.1 * LARGE * D0 * np.random.default_rng(1).standard_normal(len(film))
+one = np.ones(len(film))
+filled = surface.Liquid(film, 0 * one, D0, basin.lower, basin.upper, LARGE**3 * one, LARGE * one)
+points, _, cells = filled.mesh()
+corner = points[cells]
+facing = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+area = np.linalg.norm(facing, axis=1)
+top = (corner[..., 2].mean(axis=1) > 0.1) & (np.abs(corner[..., :2]).max(axis=(1, 2)) < 0.399)
+tilt = np.degrees(np.arccos(np.clip(np.abs(facing[top, 2]) / area[top], 0, 1)))
+runs.check_below(np.average(tilt, weights=area[top]), 2.4, "a_surface_of_uneven_large_particles_is_flat")
+held = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
+runs.check_within(held / (LARGE * D0)**3 / len(film), 0.99, 1.01, "it_holds_their_volume")
+loops = surface.outline(points, cells)
+cut = sum(0.5 * abs(np.sum(x * np.roll(z, 1) - z * np.roll(x, 1))) for x, z in (loop.T for loop in loops))
+runs.check_within(cut / (0.8 * 4 * LARGE * D0), 0.98, 1.02, "its_section_has_its_area")
+
 # liquid in a tank has the edges and corners of the tank, where its surface was rounded, and a cylinder its wall
 tank = types.SimpleNamespace(lower=np.zeros(3), upper=np.array([0.1, 0.08, 0.2]), spacing=D0, rings=False,
                              faces=[["wall", "wall"], ["wall", "symmetry"], ["wall", "open"]])
