@@ -134,7 +134,8 @@ def figure_1(folder, times, quarter, path):
             panel.set(xticks=[], yticks=[])
             for spine in panel.spines.values():
                 spine.set(color="0.8", lw=0.8)
-        row[0].text(0.025, 0.955, f"{round(1e3 * time, 1):g} ms", transform=row[0].transAxes, va="top", size=13, weight="bold")
+        row[0].text(0.025, 0.955, f"{round(1e3 * time, 1):g} ms", transform=row[0].transAxes, va="top", size=13,
+                    weight="bold")
     titles = ("drop and film", "the drop's liquid from above", "section through the axis")
     for panel, title in zip(axes[0], titles):
         panel.set_title(title, size=11)

@@ -10,8 +10,8 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPlane, vtkPolyData
-from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkCutter, vtkFlyingEdges2D, vtkFlyingEdges3D, vtkPolyDataNormals,
-                                       vtkSmoothPolyDataFilter, vtkStripper, vtkTriangleFilter,
+from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkCutter, vtkFlyingEdges2D, vtkFlyingEdges3D,
+                                       vtkPolyDataNormals, vtkSmoothPolyDataFilter, vtkStripper, vtkTriangleFilter,
                                        vtkWindowedSincPolyDataFilter)
 from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
@@ -369,7 +369,8 @@ def triangles(field, level, origin, cell, sized=None, spacing=0.0):
         ends = vtk_to_numpy(lines.GetPoints().GetData())[:, 0] < 1e-6 * cell if lines.GetNumberOfPoints() else []
         origin, sized = np.array([0, origin[1]]), None if sized is None else sized[first:]
         lines = smoothed(lines)
-        points, normals, cells = revolve(lines if sized is None else flattened(lines, sized, origin, cell, spacing), ends)
+        lines = lines if sized is None else flattened(lines, sized, origin, cell, spacing)
+        points, normals, cells = revolve(lines, ends)
     else:
         edges = vtkFlyingEdges3D()
         edges.ComputeNormalsOff()
