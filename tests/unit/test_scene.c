@@ -76,7 +76,7 @@ static PetscErrorCode TestShapes(void)
   PetscFunctionBegin;
   PetscCall(CheckShape(CUBE "-bodies a -a_lower -0.5,-0.3,-0.8", "box"));
   PetscCall(CheckShape(CUBE BALL "-a_center 0.7,0.1,0", "sphere"));
-  PetscCall(CheckShape(CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_axis 1,2,3 -a_height 0.9", "cylinder"));
+  PetscCall(CheckShape(CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_axis 1,-2,3 -a_height 0.9", "cylinder"));
   PetscCall(CheckShape(CUBE "-bodies a -a_shape cylinder -a_radius 0.5 -a_axis 0,-1,0", "infinite_cylinder"));
   PetscCall(CheckShape(ellipsoid, "ellipsoid"));
   PetscCall(CheckShape(CUBE "-bodies a -a_shape ellipsoid -a_radii 0.3,0.7,0.3", "prolate"));
@@ -520,6 +520,37 @@ static PetscErrorCode TestCut(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The acceleration by the forces that have a potential is its slope, wherever they turn about. */
+static PetscErrorCode TestPotentials(void)
+{
+  const char *const options[] = {"-gravity 1,-2,3 ", "-central_force_rate 3 ", "-frame_rotation_rate 0.5,1,2 ",
+                                 "-gravity 0,0,-9 -frame_rotation_rate 0,0,2 -frame_rotation_center 0.3,-0.4,0.1 "};
+  const PetscReal   x[DIM] = {0.7, 0.2, -0.5}, step = 1e-3; /* potentials are quadratic: differences are exact */
+
+  PetscFunctionBegin;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(options); k++) {
+    char      text[512];
+    PetscReal g[DIM], worst = 0;
+    Domain    domain;
+    Scene     scene;
+
+    PetscCall(PetscSNPrintf(text, sizeof(text), CUBE BALL "%s", options[k]));
+    PetscCall(Read(text, &domain, &scene));
+    SceneAcceleration(scene, x, g);
+    for (PetscInt d = 0; d < DIM; d++) {
+      PetscReal low[DIM] = {x[0], x[1], x[2]}, high[DIM] = {x[0], x[1], x[2]};
+
+      low[d] -= step;
+      high[d] += step;
+      worst = PetscMax(worst, PetscAbsReal(g[d] + (SceneForcePotential(scene, high) - SceneForcePotential(scene, low)) /
+                                                    (2 * step)));
+    }
+    CHECK_CLOSE(worst, 0, 1e-9, "a_force_is_the_slope_of_its_potential");
+    PetscCall(Free(&domain, &scene));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -533,6 +564,7 @@ int main(int argc, char **argv)
   PetscCall(TestRefusals());
   PetscCall(TestViscosityModels());
   PetscCall(TestHelp());
+  PetscCall(TestPotentials());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

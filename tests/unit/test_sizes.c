@@ -5,7 +5,8 @@
 #include "setup.h"
 
 #define BLOB                                                                                                           \
-  "-dimension 2 -box_lower -60,0 -box_upper 60,90 -box_ymin symmetry -gravity 0,-10 -bodies a -a_tension 20 "          \
+  "-dimension 2 -box_lower -60,0 -box_upper 60,90 -box_xmax wall -box_ymin symmetry -gravity 0,-10 -bodies a "         \
+  "-a_tension 20 "                                                                                                     \
   "-a_viscosity 5 -time_step 0.02 -ksp_rtol 1e-12 -fine c -c_lower -60,80 -c_upper -50,90 "
 #define FINE   BLOB "-spacing 2 -spacing_coarse 4 -pressure_relaxation_time 1 "
 #define COARSE BLOB "-spacing 1 -spacing_coarse 2 -pressure_relaxation_time 0.5 " /* in proportion to the size */
@@ -15,7 +16,7 @@
 
 /* What one step gives, sorted by id. */
 typedef struct {
-  PetscReal velocity[DIM * ACROSS * UP], place[DIM * ACROSS * UP], pressure[ACROSS * UP], depth[ACROSS * UP];
+  PetscReal velocity[DIM * ACROSS * UP], place[DIM * ACROSS * UP], pressure[ACROSS * UP], depth[ACROSS * UP], guarded;
   PetscInt  surface[ACROSS * UP], piece[ACROSS * UP];
 } Fate;
 
@@ -81,6 +82,10 @@ static PetscErrorCode Run(const char options[], Fate *fate)
     fate->piece[id]    = cloud->integer[INT_ID][parent[a] < cloud->n_fluid ? parent[a] : a];
   }
   PetscCall(PetscFree(parent));
+  cloud->field[FIELD_POSITION_NEW][0] = s.domain->upper[0] - 0.1; /* any of them, too close to a wall */
+  PetscCall(
+    WallGuard(stepper, 0.5 * s.domain->spacing, cloud->field[FIELD_POSITION_NEW], cloud->field[FIELD_VELOCITY_NEW]));
+  fate->guarded = s.domain->upper[0] - cloud->field[FIELD_POSITION_NEW][0];
   PetscCall(StepperDestroy(&stepper));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,6 +124,8 @@ int main(int argc, char **argv)
   CHECK_CLOSE(Apart(ACROSS * UP, fine.pressure, coarse.pressure), 0, 1e-4, "pressure_of_another_size");
   CHECK_CLOSE(Apart(DIM * ACROSS * UP, fine.velocity, coarse.velocity), 0, 1e-4, "velocity_of_another_size");
   CHECK_CLOSE(Apart(DIM * ACROSS * UP, fine.place, coarse.place), 0, 1e-5, "places_of_another_size");
+  CHECK_CLOSE(fine.guarded, 1, 1e-9, "half_a_spacing_from_a_wall");
+  CHECK_CLOSE(coarse.guarded, 1, 1e-9, "guard_of_another_size");
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

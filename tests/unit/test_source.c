@@ -303,13 +303,24 @@ static PetscErrorCode TestGradient(PetscReal g, const char name[])
   "-bodies water -water_upper 12,10 -packing_jitter 0.2 -pressure_relaxation_time 1e30 -ksp_rtol 1e-9 -ksp_max_it "    \
   "1000 "
 
+/* The pressure (Pa) of liquid at rest at x, less that at the origin: exact for a force that is linear in x. */
+static PetscReal AtRest(Scene scene, const PetscReal x[DIM])
+{
+  const PetscReal origin[DIM] = {0, 0, 0};
+  PetscReal       g[DIM], there[DIM];
+
+  SceneAcceleration(scene, origin, g);
+  SceneAcceleration(scene, x, there);
+  return 500 * (Dot(g, x) + Dot(there, x));
+}
+
 /* One step of disordered liquid at rest in a full vessel, all of whose weight is carried: the share of the force that
    is kept for the next step, the largest acceleration besides, and the error of the pressure. */
 static PetscErrorCode CarryWeight(PetscReal share, const char gravity[], PetscReal *kept, PetscReal *rest,
                                   PetscReal *error)
 {
   char           text[1024];
-  PetscReal      g[DIM], sum[3] = {0, 0, 0}, *acceleration; /* errors, deficits, particles */
+  PetscReal      sum[3] = {0, 0, 0}, *acceleration; /* errors, deficits, particles */
   PressureResult result;
   Setup          s;
 
@@ -318,11 +329,11 @@ static PetscErrorCode CarryWeight(PetscReal share, const char gravity[], PetscRe
   PetscCall(Open(text, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_CORRECTED, PETSC_FALSE, &s));
   *kept = *rest = *error = 0;
   SceneSetTime(s.scene, 1);
-  SceneAcceleration(s.scene, s.cloud->field[FIELD_POSITION], g);
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CARRIED][a] = share;
   PetscCall(PressurePredict(s.pressure));
   PetscCall(CloudGetWork(s.cloud, DIM, &acceleration));
-  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) PetscCall(PetscArraycpy(acceleration + DIM * a, g, DIM));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    SceneAcceleration(s.scene, s.cloud->field[FIELD_POSITION] + DIM * a, acceleration + DIM * a);
   PressureTakeCarried(s.pressure, acceleration);
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_STAR], DIM * s.cloud->n_owned));
   for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) s.cloud->field[FIELD_VELOCITY_STAR][k] = DT * acceleration[k];
@@ -332,14 +343,14 @@ static PetscErrorCode CarryWeight(PetscReal share, const char gravity[], PetscRe
   for (PetscInt k = 0; k < DIM * s.cloud->n_fluid; k++) *rest = PetscMax(*rest, PetscAbsReal(acceleration[k]));
   PressureKeepCarried(s.pressure, acceleration);
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
-    sum[0] += s.cloud->field[FIELD_PRESSURE][a] - 1000 * Dot(g, s.cloud->field[FIELD_POSITION] + DIM * a);
+    sum[0] += s.cloud->field[FIELD_PRESSURE][a] - AtRest(s.scene, s.cloud->field[FIELD_POSITION] + DIM * a);
     sum[1] += 1 - s.cloud->field[FIELD_CARRIED][a];
     sum[2]++;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPIU_REAL, MPIU_SUM, PETSC_COMM_WORLD));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
     *error = PetscMax(*error, PetscAbsReal(s.cloud->field[FIELD_PRESSURE][a] - sum[0] / sum[2] -
-                                           1000 * Dot(g, s.cloud->field[FIELD_POSITION] + DIM * a)));
+                                           AtRest(s.scene, s.cloud->field[FIELD_POSITION] + DIM * a)));
   *kept  = sum[1] / sum[2];
   *rest  = SetupMax(*rest);
   *error = SetupMax(*error);
@@ -441,6 +452,7 @@ int main(int argc, char **argv)
   PetscCall(TestGradient(0, "gradient_in_motion"));
   PetscCall(TestGradient(9.81, "gradient_loaded"));
   PetscCall(TestCarried("0.6,-0.8,0"));
+  PetscCall(TestCarried("0,0,0 -central_force_rate 0.3"));
   PetscCall(TestCarried("0,0,0 -gravity_amplitude 0.6,-0.8 -gravity_frequency 0.25 -time_start 1"));
   PetscCall(TestUncarried());
   PetscCall(PetscOptionsClear(NULL));
