@@ -1,8 +1,11 @@
 /* Conduction between particles: Fourier's series in a strip, what two liquids exchange, and that heat stays, in the
    plane and as rings. Runs on any number of ranks. */
 #include "../../src/heat/heat_impl.h"
+#include "../../src/stepper/edge.h"
 #include "check.h"
 #include "setup.h"
+
+extern const Edge HeatEdge;
 
 #define TERMS 200
 /* a strip of 50 spacings, cold on the left; its diffusivity is 1e-5 m2/s, kernels end at its insulated ends */
@@ -86,11 +89,32 @@ static PetscErrorCode TestStrip(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In the end both have the temperature of their mixture. */
+/* The longest step is that of what conducts best, in whatever order the bodies are. */
+static PetscErrorCode TestBound(void)
+{
+  const char *const order[] = {"-cold_thermal_conductivity 4.184 ", "-hot_thermal_conductivity 4.184 "};
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    StepBound bound = {.step = 1};
+    char      options[1024];
+    Setup     s;
+
+    PetscCall(PetscSNPrintf(options, sizeof(options), STRIP "%s", order[k]));
+    PetscCall(SetupPack(options, &s));
+    HeatEdge.bound(&(Step){.cloud = s.cloud, .scene = s.scene}, 1, &bound);
+    CHECK_CLOSE(bound.step / (0.1 * PetscSqr(KernelSmoothingLength(s.kernel)) / 1e-5), 1, 1e-9, "longest step");
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In the end both have the temperature of their mixture, which the gauge tells all the time. */
 static PetscErrorCode TestCup(void)
 {
   Setup     s;
-  PetscReal heat[2], error, all = 0, mixed, most = 0;
+  Gauges    gauges;
+  PetscReal heat[2], error, all = 0, mixed, most = 0, told[3];
 
   PetscFunctionBegin;
   PetscCall(Conduct(CUP, 0.1, 4000, &s, heat, &error));
@@ -103,6 +127,13 @@ static PetscErrorCode TestCup(void)
     most = PetscMax(most, PetscAbsReal(s.cloud->field[FIELD_TEMPERATURE][a] - mixed));
   CHECK_CLOSE(SetupMax(most), 0, 1e-2, "one temperature in the end");
   PetscCall(SetupClose(&s));
+  PetscCall(Conduct(CUP, 0.1, 0, &s, heat, &error));
+  PetscCall(GaugesCreate(s.cloud, &gauges));
+  PetscCall(GaugeTemperature.measure(gauges, NULL, told));
+  CHECK_CLOSE(told[1], mixed, 1e-6, "mean temperature is that of the mixture");
+  CHECK(told[0] == 280 && told[2] == 360, "extremes of the temperature");
+  PetscCall(GaugesDestroy(&gauges));
+  PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,6 +142,7 @@ int main(int argc, char **argv)
   PetscFunctionBeginUser;
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(TestStrip());
+  PetscCall(TestBound());
   PetscCall(TestCup());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());

@@ -213,6 +213,57 @@ static PetscErrorCode CheckWalls(PetscInt seed, PetscReal all[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The surface of liquid that carries its weight is calmed, whatever walls beside it do: a flow that is linear across a
+   periodic box, and a uniform one between walls, stay as they are, and noise on the surface alone falls. */
+static PetscErrorCode CheckCalm(const char sides[], PetscReal shear)
+{
+  PetscReal *v, moved = 0, left[2] = {0, 0}, count[2] = {0, 0};
+  char       options[512];
+  Stepper    stepper;
+  Setup      s;
+  Cloud      cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof(options),
+                          "-dimension 2 -spacing 1 -packing_jitter 0.1 -box_lower 0,0 -box_upper 16,14 -box_ymin wall "
+                          "-gravity 0,-10 -bodies a -a_upper 16,9 -box_x %s ",
+                          sides));
+  PetscCall(SetupPack(options, &s));
+  PetscCall(SetupMoments(&s));
+  cloud = s.cloud;
+  PetscCall(PressureCreate(cloud, &s.pressure));
+  PetscCall(StepperCreate(cloud, s.tension, s.pressure, &stepper));
+  PetscCall(StepperSetFromOptions(stepper));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) cloud->field[FIELD_CARRIED][a] = 1;
+  PetscCall(PressurePredict(s.pressure));
+  PetscCall(PressureSetUp(s.pressure, DT));
+  v = cloud->field[FIELD_VELOCITY_NEW];
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(PetscArrayzero(v, DIM * cloud->n_owned));
+    for (PetscInt a = 0; a < cloud->n_owned; a++)
+      v[DIM * a] = a < cloud->n_fluid ? 1 + shear * cloud->field[FIELD_POSITION][DIM * a + 1] : 100;
+    PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, v));
+    PetscCall(OperatorsDivergence(cloud, v, PETSC_TRUE, 0, NULL, cloud->field[FIELD_VELOCITY_GRADIENT], NULL));
+    for (PetscInt a = 0; a < cloud->n_fluid && k; a++) v[DIM * a] += cloud->integer[INT_ID][a] % 2 ? 1 : -1;
+    PetscCall(StepCalm(stepper, 10));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+      const PetscReal off     = v[DIM * a] - 1 - shear * cloud->field[FIELD_POSITION][DIM * a + 1];
+      const PetscBool surface = (PetscBool)(cloud->integer[INT_SURFACE][a] == 1);
+
+      if (!k) moved = PetscMax(moved, PetscAbsReal(off));
+      if (!k || (!surface && PressureCloses(s.pressure, a))) continue;
+      left[surface] += PetscAbsReal(off);
+      count[surface]++;
+    }
+  }
+  CHECK_CLOSE(SetupMax(moved), 0, 1e-6, "a_linear_flow_is_not_calmed"); /* factors in single precision */
+  CheckTrue(SetupSum(left[1]) < 0.7 * SetupSum(count[1]), "noise_of_a_surface_is_calmed");
+  CHECK_CLOSE(SetupSum(left[0]) / SetupSum(count[0]), 1, 1e-9, "inside_it_is_not");
+  PetscCall(StepperDestroy(&stepper));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whatever the source of the pressure is, a step sums the speeds that its shifting reads. */
 static PetscErrorCode CheckSpeeds(const char options[], const char label[])
 {
@@ -250,6 +301,8 @@ int main(int argc, char **argv)
   for (PetscInt seed = 1; seed <= 4; seed++) PetscCall(CheckWalls(seed, all));
   CheckTrue(all[0] > 8, "a_floor_stops_some");
   CHECK_CLOSE(all[1] / all[0], 0, 0.05, "what_is_stopped_gets_no_velocity");
+  PetscCall(CheckCalm("wall", 0));
+  PetscCall(CheckCalm("periodic", 0.3));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source divergence ", "speeds_divergence"));
   PetscCall(CheckSpeeds(FLAT "-a_shape sphere -time_step 1e-4 -pressure_source density ", "speeds_density"));
   PetscCall(PetscFinalize());
