@@ -153,14 +153,14 @@ Body SceneHole(Scene scene, PetscInt k);
 Body SceneHoleAt(Scene scene, const PetscReal x[DIM]);
 /* BodyBounds - bounds (m) of the intersection of shape and box. */
 void BodyBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM]);
-/* SceneBodyThickness - of body b: the least extent including mirror images at symmetry faces (m), of an emitter
-   across its velocity. SceneBodyScales - its
-   extents (m), its thickness (m), and the largest initial speed (m/s) and acceleration along each axis (m/s2), both
-   sampled within the bounds. Boxes of one liquid that are one box, cut in two, have the extents of the whole. */
+/* SceneBodyThinnest - the thickness of body b or of a hole in it: the least extent including mirror images at symmetry
+   faces (m), of an emitter across its velocity. SceneBodyScales - its extents (m), its thickness (m), and the largest
+   initial speed (m/s) and acceleration along each axis (m/s2), both sampled within the bounds. Boxes of one liquid that
+   are one box, cut in two, have the extents of the whole. */
 typedef struct {
   PetscReal extent[DIM], length, speed, acceleration[DIM];
 } BodyScales;
-PetscReal SceneBodyThickness(Scene scene, PetscInt b);
+PetscReal SceneBodyThinnest(Scene scene, PetscInt b);
 void      SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales);
 /* SceneNumbers - the dimensionless numbers of body b, with its thickness L (m), its largest initial speed U (m/s) and
    its viscosity at the shear rate U/L (Pa s): Re = rho U L/mu, We = rho U^2 L/sigma, Fr = U^2/(g L),

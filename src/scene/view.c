@@ -52,19 +52,39 @@ static void WholeBounds(Scene scene, PetscInt b, PetscReal lower[DIM], PetscReal
   }
 }
 
-PetscReal SceneBodyThickness(Scene scene, PetscInt b)
+/* The least of the extents between bounds (m), with their mirror images; not along 'along' (NULL: none). */
+static PetscReal LeastExtent(Domain domain, const PetscReal lower[DIM], const PetscReal upper[DIM],
+                             const PetscReal along[DIM])
 {
-  const Domain domain = scene->domain;
-  const Body   body   = SceneBody(scene, b);
-  PetscReal    lower[DIM], upper[DIM], least = PETSC_MAX_REAL;
+  PetscReal least = PETSC_MAX_REAL;
 
-  WholeBounds(scene, b, lower, upper);
   for (PetscInt d = 0; d < domain->dim; d++) {
     const PetscBool mirrored = (PetscBool)((domain->face[d][0] == FACE_SYMMETRY && lower[d] <= domain->lower[d]) ||
                                            (domain->face[d][1] == FACE_SYMMETRY && upper[d] >= domain->upper[d]));
 
-    if (BodyComesLater(body) && PetscAbsReal(body->uniform[d]) > ALONG * Norm(body->uniform)) continue;
+    if (along && PetscAbsReal(along[d]) > ALONG * Norm(along)) continue;
     least = PetscMin(least, (mirrored ? 2 : 1) * (upper[d] - lower[d]));
+  }
+  return least;
+}
+
+static PetscReal Thickness(Scene scene, PetscInt b)
+{
+  const Body body = SceneBody(scene, b);
+  PetscReal  lower[DIM], upper[DIM];
+
+  WholeBounds(scene, b, lower, upper);
+  return LeastExtent(scene->domain, lower, upper, BodyComesLater(body) ? body->uniform : NULL);
+}
+
+PetscReal SceneBodyThinnest(Scene scene, PetscInt b)
+{
+  const Body body  = SceneBody(scene, b);
+  PetscReal  least = Thickness(scene, b), lower[DIM], upper[DIM];
+
+  for (PetscInt k = 0; k < body->holes; k++) {
+    BodyBounds(body->hole[k], lower, upper);
+    least = PetscMin(least, LeastExtent(scene->domain, lower, upper, NULL));
   }
   return least;
 }
@@ -74,7 +94,7 @@ void SceneBodyScales(Scene scene, PetscInt b, BodyScales *scales)
   Body      body = SceneBody(scene, b);
   PetscReal lower[DIM], upper[DIM], g[DIM], v[DIM], x[DIM];
 
-  *scales = (BodyScales){.length = SceneBodyThickness(scene, b)};
+  *scales = (BodyScales){.length = Thickness(scene, b)};
   WholeBounds(scene, b, lower, upper);
   for (PetscInt d = 0; d < DIM; d++) scales->extent[d] = upper[d] - lower[d];
   BodyBounds(body, lower, upper);

@@ -125,8 +125,8 @@ static void BoundByViscosities(Stepper stepper, PetscReal thickest, StepBounds *
 }
 
 /* The smallest capillary step (s) of all surfaces with a spacing 'scale' times as large. A body's step may be as long
-   as a share of the period of a sphere as thick as the body: w^2 = 8 sigma/(rho R^3). The approximate projection damps
-   waves by a rate in proportion to the step. Waves of an interface move the liquid on both sides. */
+   as a share of the period of a sphere as thick as the body or a hole in it: w^2 = 8 sigma/(rho R^3). The approximate
+   projection damps waves by a rate in proportion to the step. Waves of an interface move the liquid on both sides. */
 static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
 {
   const TimeStepLimits *limits = &stepper->limits;
@@ -139,7 +139,7 @@ static PetscReal CapillaryStep(Stepper stepper, PetscReal scale)
 
     if (m->tension > 0) {
       const PetscReal unit   = PetscSqrtReal(m->density * h * h * h / (2 * PETSC_PI * m->tension));
-      const PetscReal radius = 0.5 * SceneBodyThickness(scene, b);
+      const PetscReal radius = 0.5 * SceneBodyThinnest(scene, b);
       const PetscReal period = 2 * PETSC_PI * PetscSqrtReal(m->density * PetscPowRealInt(radius, 3) / (8 * m->tension));
       const PetscReal wanted = limits->per_period > 0 ? period / limits->per_period : 0;
 
@@ -215,7 +215,7 @@ static PetscReal CreepingStep(Stepper stepper, PetscReal fastest)
   FindScales(stepper, &scales);
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const Body      body = SceneBody(scene, b);
-    const PetscReal d = SceneBodyThickness(scene, b), U = PetscMax(fastest, scales.speed), k = PETSC_PI / d,
+    const PetscReal d = SceneBodyThinnest(scene, b), U = PetscMax(fastest, scales.speed), k = PETSC_PI / d,
                     nu     = BodyViscosity(body, stepper->reference_velocity / h) / BodyMaterial(body)->density,
                     waves  = k * Norm(scales.acceleration) + k * k * k * h * scales.capillary,
                     change = PetscSqrtReal(U * U + scales.pull) * nu;

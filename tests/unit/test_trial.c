@@ -85,6 +85,10 @@ static PetscErrorCode TestStep(void)
      QUIET "-a_tension 7e4 -a_upper 4,4 -time_steps_per_period 60 -displacement_max 9"
            " -time_cfl 2",
      1, 9, PETSC_FALSE, 4 * CAPILLARY, PETSC_FALSE},
+    {"tension, a hole",
+     QUIET "-a_tension 7e4 -a_upper 4,4 -time_steps_per_period 40 -displacement_max 9"
+           " -time_cfl 2 -a_holes hole -hole_shape sphere -hole_center 2,2 -hole_radius 0.5",
+     1, 9, PETSC_FALSE, PERIOD / 40, PETSC_FALSE},
     {"tension, not centered", QUIET "-a_tension 7e4 -time_centered 0", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
      PETSC_FALSE},
     {"tension, Cahn-Hilliard", QUIET "-a_tension 7e4 -tension_type cahn_hilliard", 1, 9, PETSC_FALSE, 0.25 * CAPILLARY,
