@@ -43,8 +43,7 @@ static const char *Name(Domain domain)
 static PetscErrorCode Destroy(Domain domain)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(FollowOf(domain)->target.value));
-  PetscCall(PetscFree(FollowOf(domain)->target.liquid));
+  PetscCall(SharedDestroy(&FollowOf(domain)->target.shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

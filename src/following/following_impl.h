@@ -2,12 +2,14 @@
 #ifndef ISPH_FOLLOWING_IMPL_H
 #define ISPH_FOLLOWING_IMPL_H
 
+#include "../base/shared.h"
 #include "../operators/operators.h"
 
-/* The spacing that is wanted, in cells over the box: see grid.c. */
+/* The spacing that is wanted, in cells over the box, which the ranks of a machine share: see grid.c. */
 typedef struct {
   PetscInt       n[DIM], count;    /* of cells */
   PetscReal      lower[DIM], size; /* m */
+  Shared         shared;           /* both arrays */
   float         *value;            /* [count] m */
   unsigned char *liquid;           /* [count] 1: there is liquid in the cell */
 } Target;

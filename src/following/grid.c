@@ -9,7 +9,7 @@
    eight spacings across is fine all over. */
 #define PER_RADIUS   4.
 #define CELL         2.      /* fine spacings, least width of a cell */
-#define CELLS_MOST   2000000 /* wider cells keep to this number; each rank has all of them */
+#define CELLS_MOST   2000000 /* wider cells keep to this number */
 #define CELL_GROWTH  1.1     /* factor by which they widen */
 #define STENCIL      2.      /* fine spacings, step of the differences for the curvature of a body */
 #define ACROSS       5.      /* particles across a sheet, which marked cells make 0.9 cells thicker than it is */
@@ -58,11 +58,14 @@ PetscErrorCode TargetClear(Scene scene)
       if (count > CELLS_MOST) t->size *= CELL_GROWTH;
     } while (count > CELLS_MOST);
     t->count = (PetscInt)count;
-    PetscCall(PetscMalloc1(t->count, &t->value));
-    PetscCall(PetscMalloc1(t->count, &t->liquid));
+    PetscCall(SharedCreate(domain->comm, (size_t)t->count * (sizeof(float) + 1), &t->shared));
+    t->value  = (float *)t->shared.data;
+    t->liquid = (unsigned char *)(t->value + t->count);
   }
-  for (PetscInt c = 0; c < t->count; c++) t->value[c] = (float)domain->spacing_coarse;
-  PetscCall(PetscArrayzero(t->liquid, t->count));
+  PetscCall(SharedFence(&t->shared)); /* no rank reads the former target any more */
+  for (PetscInt c = 0; c < t->count && t->shared.leads; c++) t->value[c] = (float)domain->spacing_coarse;
+  if (t->shared.leads) PetscCall(PetscArrayzero(t->liquid, t->count));
+  PetscCall(SharedFence(&t->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,9 +74,9 @@ void TargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
   const Domain    domain = SceneDomain(scene);
   Target         *target = TargetOf(scene);
   const PetscReal within = domain->growth * (BAND * domain->spacing);
-  float          *value  = &target->value[CellOf(target, x)];
 
-  if (spacing < domain->spacing_coarse - within) *value = PetscMin(*value, (float)(spacing - within));
+  if (spacing < domain->spacing_coarse - within)
+    SharedMin(&target->value[CellOf(target, x)], (float)(spacing - within));
 }
 
 void TargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
@@ -87,15 +90,16 @@ void TargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
     first[d] = cell[d] = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place - half)));
     last[d]            = PetscMax(0, PetscMin(t->n[d] - 1, (PetscInt)PetscFloorReal(place + half)));
   }
-  do t->liquid[CellIndex(t->n, cell[0], cell[1], cell[2])] = 1;
+  do SharedOr(&t->liquid[CellIndex(t->n, cell[0], cell[1], cell[2])], 1);
   while (CellNext(first, last, cell));
 }
 
 PetscErrorCode TargetFilled(Scene scene)
 {
+  Target *t = TargetOf(scene);
+
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, TargetOf(scene)->liquid, TargetOf(scene)->count, MPI_UNSIGNED_CHAR, MPI_MAX,
-                             SceneDomain(scene)->comm));
+  PetscCall(SharedReduce(&t->shared, t->liquid, t->count, MPI_UNSIGNED_CHAR, MPI_MAX));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,16 +193,17 @@ static void Sweep(const Domain domain, Target *t, PetscInt direction)
 PetscErrorCode TargetSpread(Scene scene)
 {
   const Domain domain = SceneDomain(scene);
+  Target      *t      = TargetOf(scene);
   PetscBool    wraps  = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, TargetOf(scene)->value, TargetOf(scene)->count, MPI_FLOAT, MPI_MIN, domain->comm));
+  PetscCall(SharedReduce(&t->shared, t->value, t->count, MPI_FLOAT, MPI_MIN));
   for (PetscInt d = 0; d < domain->dim; d++) wraps = (PetscBool)(wraps || domain->face[d][0] == FACE_PERIODIC);
-  for (PetscInt round = 0; round < (wraps ? 2 : 1); round++) {
-    Sweep(domain, TargetOf(scene), 1);
-    Sweep(domain, TargetOf(scene), -1);
+  for (PetscInt round = 0; round < (wraps ? 2 : 1) && t->shared.leads; round++) {
+    Sweep(domain, t, 1);
+    Sweep(domain, t, -1);
   }
+  PetscCall(SharedFence(&t->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,13 +328,15 @@ PetscErrorCode TargetBodies(Domain domain, Scene scene)
   PetscCallMPI(MPI_Comm_rank(SceneDomain(scene)->comm, &rank));
   PetscCallMPI(MPI_Comm_size(SceneDomain(scene)->comm, &size));
   PetscCall(TargetClear(scene));
-  for (PetscInt c = 0; c < TargetOf(scene)->count; c++) {
+  for (PetscInt c = rank; c < TargetOf(scene)->count; c += size) {
     PetscReal x[DIM];
 
     CellCenter(TargetOf(scene), c, x);
     for (PetscInt b = 0; b < SceneCount(scene); b++)
-      if (!BodyComesLater(SceneBody(scene, b)) && BodyContains(SceneBody(scene, b), x)) TargetOf(scene)->liquid[c] = 1;
+      if (!BodyComesLater(SceneBody(scene, b)) && BodyContains(SceneBody(scene, b), x))
+        SharedOr(&TargetOf(scene)->liquid[c], 1);
   }
+  PetscCall(TargetFilled(scene));
   PetscCall(TargetSolids(scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
     for (PetscInt c = rank; c < TargetOf(scene)->count && !BodyComesLater(SceneBody(scene, b)); c += size)

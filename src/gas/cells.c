@@ -6,11 +6,10 @@
   1.5 /* spacings that the cells reach into walls, where they are full: without them half of the part of W             \
          that dry walls have in the box is missing, and a volume is short by d0/4 per wall */
 #define NEAR_WET 1.01 /* spacings around a particle inside in which a cell is full */
-#define IMAGES   27
 
 enum { TOUCH_FULL = 1, TOUCH_WALL = 2, TOUCH_NEAR = 4 };
 
-static const GasImage Itself = {{1, 1, 1}, {0, 0, 0}};
+static const Image Itself = {.sign = {1, 1, 1}};
 
 /* Whether a particle at x has no image but itself within 'reach' (m) of the box. */
 static PetscBool Alone(const GasCells *cells, const PetscReal x[DIM], PetscReal reach)
@@ -18,38 +17,6 @@ static PetscBool Alone(const GasCells *cells, const PetscReal x[DIM], PetscReal 
   for (PetscInt d = 0; d < DIM; d++)
     if (x[d] - reach <= cells->single[d][0] || x[d] + reach >= cells->single[d][1]) return PETSC_FALSE;
   return PETSC_TRUE;
-}
-
-/* The images of a particle at x that are within 'reach' (m) of the box, itself first. Returns their number. */
-static PetscInt Images(Domain domain, const PetscReal x[DIM], PetscReal reach, GasImage image[IMAGES])
-{
-  PetscInt n = 1;
-
-  image[0] = Itself;
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscReal length = domain->upper[d] - domain->lower[d];
-    const PetscInt  before = n;
-
-    for (PetscInt side = 0; side < 2; side++) {
-      const FaceType  face = domain->face[d][side];
-      const PetscReal at   = side ? domain->upper[d] : domain->lower[d];
-
-      if ((face != FACE_PERIODIC && face != FACE_SYMMETRY) || PetscAbsReal(x[d] - at) >= reach) continue;
-      for (PetscInt k = 0; k < before; k++) {
-        image[n] = image[k];
-        if (face == FACE_SYMMETRY)
-          image[n].sign[d] = -1, image[n++].offset[d] = 2 * at;
-        else
-          image[n++].offset[d] = side ? -length : length;
-      }
-    }
-  }
-  return n;
-}
-
-static void Map(const GasImage *image, const PetscReal x[DIM], PetscReal y[DIM])
-{
-  for (PetscInt d = 0; d < DIM; d++) y[d] = image->sign[d] * x[d] + image->offset[d];
 }
 
 static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
@@ -187,20 +154,15 @@ static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Vi
 
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a;
-    GasImage         image[IMAGES];
+    Image            image[IMAGES_MOST];
     PetscInt         n;
 
     if (Alone(cells, x, cloud->size[a] * support)) {
       visit(cells, cloud, a, inside[a], x, context);
       continue;
     }
-    n = Images(cloud->domain, x, cloud->size[a] * support, image);
-    for (PetscInt k = 0; k < n; k++) {
-      PetscReal y[DIM];
-
-      Map(&image[k], x, y);
-      visit(cells, cloud, a, inside[a], y, context);
-    }
+    n = DomainImages(cloud->domain, x, cloud->size[a] * support, image);
+    for (PetscInt k = 0; k < n; k++) visit(cells, cloud, a, inside[a], image[k].x, context);
   }
 }
 
@@ -355,7 +317,7 @@ static void AddBlock(GasMask mask, PetscInt node, const PetscReal volume[], Pets
 }
 
 /* For the image of a particle at x. */
-static void ForImage(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, const GasImage *image,
+static void ForImage(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, const Image *image,
                      const PetscReal x[DIM], PetscReal reach, PetscBool slopes, GasVisitor visit, void *context)
 {
   const PetscReal support2 = PetscSqr(KernelSupport(cloud->kernel)), per = 1 / cloud->size[a];
@@ -396,20 +358,15 @@ void GasCellsNear(const GasCells *cells, Cloud cloud, const GasSet *set, PetscIn
 {
   const PetscReal *x     = cloud->field[FIELD_POSITION] + DIM * a;
   const PetscReal  reach = cloud->size[a] * KernelSupport(cloud->kernel);
-  GasImage         image[IMAGES];
+  Image            image[IMAGES_MOST];
   PetscInt         n;
 
   if (Alone(cells, x, reach)) {
     ForImage(cells, cloud, set, a, &Itself, x, reach, slopes, visit, context);
     return;
   }
-  n = Images(cloud->domain, x, reach, image);
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal y[DIM];
-
-    Map(&image[k], x, y);
-    ForImage(cells, cloud, set, a, &image[k], y, reach, slopes, visit, context);
-  }
+  n = DomainImages(cloud->domain, x, reach, image);
+  for (PetscInt k = 0; k < n; k++) ForImage(cells, cloud, set, a, &image[k], image[k].x, reach, slopes, visit, context);
 }
 
 /* Where a particle's sums go, and its volume of GasPart. */
@@ -443,6 +400,12 @@ static void CellMiddle(const GasCells *cells, Domain domain, PetscInt node, Pets
   for (PetscInt d = 0; d < DIM; d++) x[d] = d < domain->dim ? cells->lower[d] + (at[d] + 0.5) * cells->size[d] : 0;
 }
 
+/* Whether a cell is full by what is inside beside it. */
+static PetscBool IsWet(const GasCells *cells, const GasMask wet[], PetscInt c)
+{
+  return (PetscBool)((wet[c / cells->per] & ~cells->close.mask[c / cells->per]) >> (c % cells->per) & 1);
+}
+
 enum { CORE_UNKNOWN, CORE_OUTSIDE, CORE_DEEP, CORE_HOLLOW };
 
 /* How deep a cell is in a solid; from CORE_HOLLOW on it is full, whatever moves: behind its dummy particles a solid is
@@ -456,21 +419,39 @@ static unsigned char CoreOf(const GasCells *cells, Cloud cloud, PetscInt node)
   return depth > MARGIN ? CORE_HOLLOW : depth > 1 ? CORE_DEEP : CORE_OUTSIDE;
 }
 
+/* Finds the CORE_... of cells that none has; the ranks of a machine share them. */
+static PetscErrorCode FindCores(GasCells *cells, Cloud cloud, const GasMask wet[], PetscBool moved)
+{
+  unsigned char *core;
+
+  PetscFunctionBegin;
+  if (!cells->core.data) PetscCall(SharedCreate(cloud->comm, (size_t)cells->all * cells->per, &cells->core));
+  core = (unsigned char *)cells->core.data;
+  PetscCall(SharedFence(&cells->core));
+  if (moved && cells->core.leads) PetscCall(PetscArrayzero(core, cells->all * cells->per));
+  PetscCall(SharedFence(&cells->core));
+  for (PetscInt c = cells->core.rank; c < cells->near * cells->per; c += cells->core.size) {
+    const PetscInt at = cells->home[c / cells->per] * cells->per + c % cells->per;
+
+    if (core[at] == CORE_UNKNOWN && !IsWet(cells, wet, c)) core[at] = CoreOf(cells, cloud, c);
+  }
+  PetscCall(SharedFence(&cells->core));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Cells inside a solid are full. Solids at rest are asked for each cell once. */
 static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, const GasMask wet[], PetscBool moved)
 {
   PetscFunctionBegin;
   if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!cells->core) PetscCall(PetscCalloc1(cells->all * cells->per, &cells->core));
-  if (moved) PetscCall(PetscArrayzero(cells->core, cells->all * cells->per));
+  PetscCall(FindCores(cells, cloud, wet, moved));
   for (PetscInt c = 0; c < cells->near * cells->per; c++) {
-    unsigned char *core = &cells->core[cells->home[c / cells->per] * cells->per + c % cells->per];
-    const GasMask  bit  = (GasMask)1 << (c % cells->per);
+    const unsigned char core =
+      ((unsigned char *)cells->core.data)[cells->home[c / cells->per] * cells->per + c % cells->per];
 
-    if (wet[c / cells->per] & ~cells->close.mask[c / cells->per] & bit) continue;
-    if (*core == CORE_UNKNOWN) *core = CoreOf(cells, cloud, c);
-    if (*core == CORE_HOLLOW || (*core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
-    if (*core == CORE_HOLLOW) cells->close.mask[c / cells->per] &= ~bit;
+    if (IsWet(cells, wet, c)) continue;
+    if (core == CORE_HOLLOW || (core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
+    if (core == CORE_HOLLOW) cells->close.mask[c / cells->per] &= ~((GasMask)1 << (c % cells->per));
   }
   for (PetscInt b = 0; b < cells->all; b++)
     if (cells->block[b] == BLOCK_EMPTY && CoreOf(cells, cloud, cells->near * cells->per + b) > CORE_OUTSIDE)
@@ -540,7 +521,7 @@ PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, Pet
   FillFrom(cells, cloud, 0, PressureFull(pressure), cells->filled);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt c = 0; c < count; c++)
-    if ((marks.wet[c / cells->per] & ~cells->close.mask[c / cells->per]) >> (c % cells->per) & 1) cells->filled[c] = 1;
+    if (IsWet(cells, marks.wet, c)) cells->filled[c] = 1;
   if (!exact) FillDry(cells, cloud->domain, touch);
   PetscCall(FillSolids(cells, cloud, marks.wet, moved));
   PetscCall(PetscFree(marks.wet));
@@ -643,7 +624,7 @@ PetscErrorCode GasCellsDestroy(GasCells *cells)
     PetscCall(PetscFree((*set)->mask));
     PetscCall(PetscFree((*set)->beside));
   }
-  PetscCall(PetscFree(cells->core));
+  PetscCall(SharedDestroy(&cells->core));
   PetscCall(PetscFree(cells->filled));
   PetscCall(PetscFree(cells->solid));
   PetscCall(PetscFree(cells->label));

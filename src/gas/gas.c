@@ -1,11 +1,4 @@
-/* Gas without density that liquid encloses, as an edge of the step: one unknown pressure for each pocket.
-
-   -gas is not the default. Tried: 36 runs of 21 cases, as `make verify` has them, with -gas and without. Two were
-   refused (bodies of different density; levels at open faces), of the other 34 no row left its tolerance, and 25 have
-   all figures to the last digit shown. The tests were not run with it. What it costs where there is no pocket, as a
-   share of the processor time of the same run without its start, 2 % asked: 1.2 % in the main case as a quarter at
-   0.35 mm, 1.1 % in the floating box, 0.9 % in rings of 0.125 mm, but 2.6 % in a dam break before it hits the wall,
-   most of whose box is air. With looks that sum up all cells it was 2.3, 2.2, 2.1 and 5.1 %. */
+/* Gas without density that liquid encloses, as an edge of the step: one unknown pressure for each pocket. */
 #include "gas_impl.h"
 
 #define UNKEPT                                                                                                         \

@@ -2,6 +2,8 @@
 #ifndef ISPH_GAS_IMPL_H
 #define ISPH_GAS_IMPL_H
 
+#include "../base/shared.h"
+#include "../domain/images.h"
 #include "../gauges/columns.h"
 #include "../stepper/edge.h"
 
@@ -20,24 +22,24 @@ typedef struct {
   unsigned char *beside; /* [all] whether a block or one beside it has cells of the set */
 } GasSet;
 typedef struct {
-  PetscInt       n[DIM], blocks[DIM];   /* cells and blocks a direction */
-  PetscInt       shift[DIM];            /* a block has 2^shift cells a direction */
-  PetscReal      lower[DIM], size[DIM]; /* m */
-  PetscReal      many[DIM];             /* 1/size */
-  PetscReal      single[DIM][2];        /* what reaches none of these planes has no image, m */
-  PetscReal      volume;                /* of a cell, m^dim, of the cross section of rings */
-  PetscReal     *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
-  PetscInt       per, near, all;        /* cells of a block, blocks with cells, blocks */
-  PetscInt       capacity;              /* nodes */
-  PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
-  PetscInt      *home;                  /* [near] the block with this number */
-  GasSet         close, seen, held;     /* cells that are not full for sure; with an owner; with a pocket as owner */
-  unsigned char *core;                  /* [all][per] of solids: CORE_... */
-  PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
-  PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
-  PetscBool      solid_known;
-  PetscInt      *label; /* [nodes] */
-  PetscInt      *owner; /* [near][per] the region around, a few cells into the liquid, too */
+  PetscInt   n[DIM], blocks[DIM];   /* cells and blocks a direction */
+  PetscInt   shift[DIM];            /* a block has 2^shift cells a direction */
+  PetscReal  lower[DIM], size[DIM]; /* m */
+  PetscReal  many[DIM];             /* 1/size */
+  PetscReal  single[DIM][2];        /* what reaches none of these planes has no image, m */
+  PetscReal  volume;                /* of a cell, m^dim, of the cross section of rings */
+  PetscReal *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
+  PetscInt   per, near, all;        /* cells of a block, blocks with cells, blocks */
+  PetscInt   capacity;              /* nodes */
+  PetscInt  *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
+  PetscInt  *home;                  /* [near] the block with this number */
+  GasSet     close, seen, held;     /* cells that are not full for sure; with an owner; with a pocket as owner */
+  Shared     core;                  /* [all][per] of solids: CORE_... */
+  PetscReal *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscReal *solid;                 /* [near][per] the part of walls and solids, if it is known */
+  PetscBool  solid_known;
+  PetscInt  *label; /* [nodes] */
+  PetscInt  *owner; /* [near][per] the region around, a few cells into the liquid, too */
 } GasCells;
 
 #define BLOCK_EMPTY (-1)
@@ -57,19 +59,14 @@ PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, Pet
 PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full);
 PetscErrorCode GasCellsDestroy(GasCells *cells);
 
-/* The map of a particle to its image: x' = sign x + offset. */
-typedef struct {
-  PetscReal sign[DIM], offset[DIM];
-} GasImage;
-
 /* Cells within the support of the image of a particle: W there; with 'slopes' also the vectors from their middles to it
    in units of its size, F there, and their volumes (m^dim, of rings m3). */
 #define GAS_NEAR 256 /* at most, some blocks' cells; more come in several */
 typedef struct {
-  const GasImage *image;
-  PetscBool       slopes;
-  PetscInt        n, node[GAS_NEAR];
-  PetscReal       r2[GAS_NEAR], W[GAS_NEAR], r[GAS_NEAR][DIM], F[GAS_NEAR], volume[GAS_NEAR];
+  const Image *image;
+  PetscBool    slopes;
+  PetscInt     n, node[GAS_NEAR];
+  PetscReal    r2[GAS_NEAR], W[GAS_NEAR], r[GAS_NEAR][DIM], F[GAS_NEAR], volume[GAS_NEAR];
 } GasNear;
 typedef void (*GasVisitor)(const GasCells *cells, const GasNear *near, void *context);
 

@@ -122,7 +122,7 @@ static PetscErrorCode SkyMapCreate(Gauges gauges, const Crater *crater, CraterGr
     map->inside[c] =
       (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 && map->radius[c] <= crater->radius);
   }
-  CraterGridSky(grid, dim, map->inside, lowest);
+  PetscCall(CraterGridSky(grid, dim, map->inside, lowest));
   for (PetscInt a = 0; a < n; a++) {
     for (PetscInt j = pool[a].first[1]; j <= pool[a].last[1]; j++)
       for (PetscInt i = pool[a].first[0]; i <= pool[a].last[0]; i++) {

@@ -121,8 +121,9 @@ PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArra
 
   PetscFunctionBegin;
   PetscCall(SetSizes(gauges, arrays, grid));
-  PetscCall(PetscCalloc1(grid->count, &grid->cell));
-  PetscCall(PetscMalloc1(grid->count, &grid->queue));
+  PetscCall(SharedCreate(gauges->comm, (size_t)grid->count, &grid->shared));
+  grid->cell = (unsigned char *)grid->shared.data;
+  PetscCall(PetscMalloc1(grid->shared.leads ? grid->count : 0, &grid->queue));
   for (PetscInt a = 0; a < arrays->n; a++) {
     PetscInt first[DIM], last[DIM], at[DIM];
 
@@ -132,20 +133,20 @@ PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArra
       continue;
     for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
     do
-      grid->cell[CellIndex(grid->n, at[0], at[1], at[2])] |=
-        arrays->integer[INT_BODY][a] == pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+      SharedOr(&grid->cell[CellIndex(grid->n, at[0], at[1], at[2])],
+               arrays->integer[INT_BODY][a] == pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID);
     while (CellNext(first, last, at));
   }
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, grid->cell, (PetscMPIInt)grid->count, MPI_UNSIGNED_CHAR, MPI_BOR, gauges->comm));
-  MarkPool(grid);
+  PetscCall(SharedReduce(&grid->shared, grid->cell, grid->count, MPI_UNSIGNED_CHAR, MPI_BOR));
+  if (grid->shared.leads) MarkPool(grid);
+  PetscCall(SharedFence(&grid->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode CraterGridDestroy(CraterGrid *grid)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(grid->cell));
+  PetscCall(SharedDestroy(&grid->shared));
   PetscCall(PetscFree(grid->queue));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -180,7 +181,8 @@ static PetscBool BlockEnter(CraterGrid *grid, const Block *block, const PetscBoo
   return PETSC_TRUE;
 }
 
-void CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
+/* CraterGridSky on the rank that leads. */
+static void FindSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
 {
   const PetscInt step[2 * DIM] = {-1, 1, -grid->n[0], grid->n[0], -grid->columns, grid->columns};
   const PetscInt top = (grid->n[2] - 1 - SKY_GAP) * grid->columns, last = top + grid->columns;
@@ -205,4 +207,12 @@ void CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], Pet
       if (next < last && BlockEnter(grid, &block, inside, next)) grid->queue[end++] = next;
     }
   }
+}
+
+PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
+{
+  PetscFunctionBegin;
+  if (grid->shared.leads) FindSky(grid, dim, inside, lowest);
+  PetscCallMPI(MPI_Bcast(lowest, (PetscMPIInt)grid->columns, MPIU_INT, 0, grid->shared.machine));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

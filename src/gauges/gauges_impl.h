@@ -2,6 +2,8 @@
 #ifndef ISPH_GAUGES_IMPL_H
 #define ISPH_GAUGES_IMPL_H
 
+#include "../base/shared.h"
+#include "../domain/images.h"
 #include "columns.h"
 
 extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeDroplets, GaugeLines, GaugeNeck;
@@ -62,17 +64,6 @@ PetscReal HeightOverLevel(Gauges gauges, PetscReal top);
    an incomplete place, more than 'most' places, and a place outside the box. what: "point", ... Collective. */
 PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[], PetscInt points, PetscInt coordinates,
                            PetscInt most, Places *places);
-
-#define IMAGES_MOST 27 /* of a point: 3 a direction */
-/* An image of a point: its position x (m), and the sign of each velocity component there. */
-typedef struct {
-  PetscReal x[DIM], sign[DIM];
-} PointImage;
-
-/* PointImages - the point at [dim] (m), and its images through periodic faces and mirrors that lie within reach (m) of
-   the box. Returns their number. Particles near an image are near the point in another copy of the liquid. Not
-   collective. */
-PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST]);
 
 /* InsideSolid - whether a place at this signed distance (m) from a solid lies inside the solid. A place on its surface
    does not. Not collective. */
@@ -142,16 +133,17 @@ typedef struct {
   PetscInt       n[DIM], count, columns; /* rim included; columns = n[0] n[1] */
   PetscInt       component[DIM];         /* of positions, for each axis; in two dimensions component[1] is unused */
   PetscReal      lower[DIM], size;       /* m, of the cell 1,1,1 */
+  Shared         shared;                 /* cell */
   unsigned char *cell;                   /* [count] */
-  PetscInt      *queue;                  /* [count] */
+  PetscInt      *queue;                  /* [count], of the leading rank */
 } CraterGrid;
 
 /* CraterGridCreate - marks the cells that hold fluid of any rank. CELL_POOL marks the connected component (26
    neighbours) with the most cells of the body 'pool'. Collective. */
 PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid);
 /* CraterGridSky - lowest[c]: layer of the lowest cell of column c that is open to the sky. A column whose inside[c] is
-   false blocks the sky, and its layer is that above the top. Not collective. */
-void           CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
+   false blocks the sky, and its layer is that above the top. Collective. */
+PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
 PetscErrorCode CraterGridDestroy(CraterGrid *grid);
 
 /* CraterGridCell - number and indices of the cell that holds the point x (m); -1: outside the grid. Not collective. */

@@ -35,8 +35,8 @@ typedef struct {
 } VolumeFraction;
 
 /* Adds this rank's particles to the sums at the points lower + k bin of the vertical through an image of a place. */
-static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal bin,
-                        PetscInt bins, VolumeFraction fraction[])
+static void AddVertical(Gauges gauges, const ParticleArrays *arrays, const Image *image, PetscReal bin, PetscInt bins,
+                        VolumeFraction fraction[])
 {
   const Domain    domain   = gauges->cloud->domain;
   const Kernel    kernel   = gauges->cloud->kernel;
@@ -119,13 +119,13 @@ PetscErrorCode HeightsSample(Gauges gauges, PetscInt count, const PetscReal plac
   PetscCall(PetscCalloc1(count * bins, &fraction));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt h = 0; h < count; h++) {
-    PetscReal  at[DIM] = {0, 0, 0};
-    PointImage image[IMAGES_MOST];
-    PetscInt   images;
+    PetscReal at[DIM] = {0, 0, 0};
+    Image     image[IMAGES_MOST];
+    PetscInt  images;
 
     for (PetscInt d = 0; d < up; d++) at[d] = places[up * h + d];
     at[up] = 0.5 * (domain->lower[up] + domain->upper[up]); /* no images through bottom and top */
-    images = PointImages(domain, at, PetscMin(reach, 0.5 * (domain->upper[up] - domain->lower[up])), image);
+    images = DomainImages(domain, at, PetscMin(reach, 0.5 * (domain->upper[up] - domain->lower[up])), image);
     for (PetscInt k = 0; k < images; k++) AddVertical(gauges, &arrays, &image[k], bin, bins, fraction + bins * h);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));

@@ -26,39 +26,6 @@ PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt PointImages(Domain domain, const PetscReal at[], PetscReal reach, PointImage image[IMAGES_MOST])
-{
-  PetscInt count = 1;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    image[0].x[d]    = d < domain->dim ? at[d] : 0;
-    image[0].sign[d] = 1;
-  }
-  for (PetscInt d = 0; d < domain->dim; d++) {
-    const PetscInt  before = count;
-    const PetscReal length = domain->upper[d] - domain->lower[d];
-
-    for (PetscInt side = 0; side < 2; side++) {
-      const PetscReal face = side ? domain->upper[d] : domain->lower[d];
-      const FaceType  type = domain->face[d][side];
-
-      if ((type != FACE_PERIODIC && type != FACE_SYMMETRY) || PetscAbsReal(at[d] - face) >= reach) continue;
-      for (PetscInt k = 0; k < before; k++) {
-        PointImage *copy = &image[count++];
-
-        *copy = image[k];
-        if (type == FACE_PERIODIC)
-          copy->x[d] += side ? -length : length;
-        else {
-          copy->x[d]    = 2 * face - copy->x[d];
-          copy->sign[d] = -1;
-        }
-      }
-    }
-  }
-  return count;
-}
-
 PetscBool InsideSolid(Gauges gauges, PetscReal distance)
 {
   return (PetscBool)(distance < -SKIN * gauges->cloud->domain->spacing);
@@ -83,7 +50,7 @@ static PetscBool BehindSolid(Gauges gauges, const PetscReal x[DIM], PetscReal di
 }
 
 /* Adds V W, V W p and V W v of this rank's fluid around an image to sum. Fluid behind a solid does not count. */
-static void AddAround(Gauges gauges, const ParticleArrays *arrays, const PointImage *image, PetscReal sum[2 + DIM])
+static void AddAround(Gauges gauges, const ParticleArrays *arrays, const Image *image, PetscReal sum[2 + DIM])
 {
   Kernel          kernel   = gauges->cloud->kernel;
   const Domain    domain   = gauges->cloud->domain;
@@ -126,9 +93,9 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
   PetscCall(PetscCalloc2(count * (2 + DIM), &sum, count, &inside));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
-    PointImage     image[IMAGES_MOST];
-    const PetscInt images =
-      PointImages(domain, at + domain->dim * p, gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
+    Image          image[IMAGES_MOST];
+    const PetscInt images = DomainImages(domain, at + domain->dim * p,
+                                         gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
 
     inside[p] = InsideSolid(gauges, SceneSolidDistance(gauges->cloud->scene, image[0].x, NULL));
     for (PetscInt k = 0; k < images && !inside[p]; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);

@@ -3,20 +3,18 @@
 
 #define NO_LEVEL (-PETSC_MAX_REAL) /* m; null in scene.json */
 
+#define OF_FACE(name, member, f)                                                                                       \
+  {                                                                                                                    \
+    name, NUMBER_REAL, offsetof(OutletNumbers, member[f]), ENERGY_NONE, NULL                                           \
+  }
+#define OF_FACES(name, member)                                                                                         \
+  OF_FACE(name "_xmin", member, 0), OF_FACE(name "_xmax", member, 1), OF_FACE(name "_ymin", member, 2),                \
+    OF_FACE(name "_ymax", member, 3), OF_FACE(name "_zmin", member, 4), OF_FACE(name "_zmax", member, 5)
+
 static const NumberRow rows[] = {
   {"outlet_work", NUMBER_REAL, offsetof(OutletNumbers, work), ENERGY_GIVEN, "the pressure outside outlets"},
-  {"outlet_xmin", NUMBER_REAL, offsetof(OutletNumbers, left[0]), ENERGY_NONE, NULL},
-  {"outlet_xmax", NUMBER_REAL, offsetof(OutletNumbers, left[1]), ENERGY_NONE, NULL},
-  {"outlet_ymin", NUMBER_REAL, offsetof(OutletNumbers, left[2]), ENERGY_NONE, NULL},
-  {"outlet_ymax", NUMBER_REAL, offsetof(OutletNumbers, left[3]), ENERGY_NONE, NULL},
-  {"outlet_zmin", NUMBER_REAL, offsetof(OutletNumbers, left[4]), ENERGY_NONE, NULL},
-  {"outlet_zmax", NUMBER_REAL, offsetof(OutletNumbers, left[5]), ENERGY_NONE, NULL},
-  {"outlet_push_xmin", NUMBER_REAL, offsetof(OutletNumbers, push[0]), ENERGY_NONE, NULL},
-  {"outlet_push_xmax", NUMBER_REAL, offsetof(OutletNumbers, push[1]), ENERGY_NONE, NULL},
-  {"outlet_push_ymin", NUMBER_REAL, offsetof(OutletNumbers, push[2]), ENERGY_NONE, NULL},
-  {"outlet_push_ymax", NUMBER_REAL, offsetof(OutletNumbers, push[3]), ENERGY_NONE, NULL},
-  {"outlet_push_zmin", NUMBER_REAL, offsetof(OutletNumbers, push[4]), ENERGY_NONE, NULL},
-  {"outlet_push_zmax", NUMBER_REAL, offsetof(OutletNumbers, push[5]), ENERGY_NONE, NULL},
+  OF_FACES("outlet", left),
+  OF_FACES("outlet_push", push),
   {.name = NULL},
 };
 
