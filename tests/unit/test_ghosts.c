@@ -1,6 +1,6 @@
 /* When ghosts are chosen anew and what they then have, on two particles that approach each other through a periodic
-   face; what a step gives back to the swarm; how far particles are outside their rank's cells. Runs on any number of
-   ranks. */
+   face; what a step gives back to the swarm; how far particles are outside their rank's cells; a
+   piece over all ranks. Runs on any number of ranks. */
 #include "../../src/neighbors/halo.h"
 #include "setup.h"
 #include "check.h"
@@ -151,6 +151,43 @@ static PetscErrorCode TestImbalance(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One thread that winds through the box, over the parts of all ranks again and again, is one piece; cut once, two. */
+static PetscErrorCode TestWinding(void)
+{
+  const PetscInt   long_rows = 10, length = 36;
+  static PetscReal x[DIM * 400];
+
+  PetscFunctionBegin;
+  for (PetscInt cut = 0; cut < 2; cut++) {
+    PetscInt   n = 0, *parent;
+    PetscReal *least, wrong = 0;
+    Setup      s;
+
+    for (PetscInt row = 0; row < long_rows; row++)
+      for (PetscInt k = 0; k < length + 3; k++) { /* to the right and back, and 4 spacings up at the end of each */
+        const PetscReal along = k < length ? k : length - 1, at = row % 2 ? length - 1 - along : along;
+
+        if (row == long_rows - 1 && k >= length) continue;
+        if (cut && row == 5 && k == length / 2) continue;
+        x[DIM * n]     = at - 0.5 * (length - 1);
+        x[DIM * n + 1] = 4 * row - 18 + (k < length ? 0 : k - length + 1);
+        x[DIM * n + 2] = 0;
+        n++;
+      }
+    PetscCall(SetupFill("-dimension 2 -spacing 1 -box_lower -20,-20 -box_upper 20,20 -bodies a ", n, x, 0, &s));
+    PetscCall(PetscMalloc2(s.cloud->n_total, &parent, s.cloud->n_total, &least));
+    OperatorsConnect(s.cloud, 1.3, parent);
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++) least[a] = s.cloud->integer[INT_ID][a];
+    PetscCall(OperatorsComponentMinimum(s.cloud, parent, 1, least));
+    for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+      wrong += (least[a] == 0) != (!cut || s.cloud->integer[INT_ID][a] < 5 * (length + 3) + length / 2);
+    CHECK_CLOSE(SetupSum(wrong), 0, 0, cut ? "a_thread_that_is_cut" : "a_winding_thread_is_one_piece");
+    PetscCall(PetscFree2(parent, least));
+    PetscCall(SetupClose(&s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
@@ -159,6 +196,7 @@ int main(int argc, char **argv)
   PetscCall(TestBetween());
   PetscCall(TestOutside());
   PetscCall(TestImbalance());
+  PetscCall(TestWinding());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

@@ -1,4 +1,5 @@
 /* Bodies: shapes and their distances, velocity fields, materials, refusals. */
+#include "../../src/scene/scene_impl.h"
 #include "read_scene.h"
 #include <stdarg.h>
 
@@ -520,6 +521,34 @@ static PetscErrorCode TestCut(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A shaken scene has a sin(2 pi f t + phase) besides, and what is said to be the most is the largest of all times. */
+static PetscErrorCode TestShaking(void)
+{
+  const PetscReal x[DIM] = {0.3, 0.2, 0.1}, a[DIM] = {2, 0, -0.5};
+  PetscReal       g[DIM], most[DIM], largest[DIM] = {0, 0, 0}, worst = 0;
+  Domain          domain;
+  Scene           scene;
+
+  PetscFunctionBegin;
+  PetscCall(Read(CUBE BALL "-gravity 0,0,-9 -gravity_amplitude 2,0,-0.5 -gravity_frequency 4 -gravity_phase 30 ",
+                 &domain, &scene));
+  for (PetscInt k = 0; k < 300; k++) {
+    const PetscReal time = 1.25 * k / 300, swing = PetscSinReal(2 * PETSC_PI * 4 * time + PETSC_PI / 6);
+
+    SceneSetTime(scene, time);
+    SceneAcceleration(scene, x, g);
+    for (PetscInt d = 0; d < DIM; d++) {
+      worst      = PetscMax(worst, PetscAbsReal(g[d] - a[d] * swing + (d == 2 ? 9 : 0)));
+      largest[d] = PetscMax(largest[d], PetscAbsReal(g[d]));
+    }
+  }
+  ForcesMost(scene, x, most);
+  CHECK_CLOSE(worst, 0, 1e-12, "shaking_by_its_formula");
+  for (PetscInt d = 0; d < DIM; d++) CHECK_CLOSE(most[d], largest[d], 1e-2, "the_most_of_all_times");
+  PetscCall(Free(&domain, &scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The acceleration by the forces that have a potential is its slope, wherever they turn about. */
 static PetscErrorCode TestPotentials(void)
 {
@@ -565,6 +594,7 @@ int main(int argc, char **argv)
   PetscCall(TestViscosityModels());
   PetscCall(TestHelp());
   PetscCall(TestPotentials());
+  PetscCall(TestShaking());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
