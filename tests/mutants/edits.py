@@ -56,21 +56,22 @@ class Mutant(NamedTuple):
 
 def read():
     """All mutants, in the order of the files."""
-    parser = configparser.ConfigParser(delimiters=(":",), comment_prefixes=("#",), interpolation=None)
-    mutants, changed, tests = [], "", ""
+    mutants = []
     for path in sorted(glob.glob(os.path.join(HERE, "*.ini"))):
+        parser, changed, tests = configparser.ConfigParser(delimiters=(":",), comment_prefixes=("#",),
+                                                           interpolation=None), "", ""
         with open(path, encoding="utf-8") as file:
             parser.read_file(file)
-    for name in parser.sections():
-        entry = parser[name]
-        if "/" in name:
-            changed, tests = name, entry.get("tests", "")
-            continue
-        if not KEYS <= set(entry) <= KEYS | {"tests", "survives"} or not entry.get("tests", tests):
-            raise ValueError(f"mutant {name} must have {', '.join(sorted(KEYS))} and may have tests and survives")
-        mutants.append(Mutant(name, changed, entry["was"], entry["is"], entry["bug"],
-                              tuple(word.strip() for word in entry.get("tests", tests).split(",")),
-                              entry.get("survives", "")))
+        for name in parser.sections():
+            entry = parser[name]
+            if "/" in name:
+                changed, tests = name, entry.get("tests", "")
+                continue
+            if not KEYS <= set(entry) <= KEYS | {"tests", "survives"} or not entry.get("tests", tests):
+                raise ValueError(f"mutant {name} must have {', '.join(sorted(KEYS))} and may have tests and survives")
+            mutants.append(Mutant(name, changed, entry["was"], entry["is"], entry["bug"],
+                                  tuple(word.strip() for word in entry.get("tests", tests).split(",")),
+                                  entry.get("survives", "")))
     return mutants
 
 

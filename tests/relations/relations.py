@@ -94,6 +94,11 @@ class Run:
         with open(os.path.join(self.folder, name), encoding="utf-8") as file:
             return file.read()
 
+    def doubts(self):
+        """What the run has said of itself at some time, without numbers, in order of the alphabet."""
+        return sorted(re.sub(r"[-+\d.e]*\d", "#", line) for line in
+                      re.findall(r"^t = +\S+ \S+: (.*)", self.text("log.txt"), re.M))
+
     def table(self, name):
         """The columns of a table by their names without units, or none."""
         if not os.path.exists(os.path.join(self.folder, name)):
@@ -297,7 +302,7 @@ def added_up(one, other, copies=1):
 
 
 def ranks(t):
-    """Two, three or four ranks compute what one does, and add up the same energies."""
+    """Two, three or four ranks compute what one does, add up the same energies and say the same."""
     start, (scene, one) = "", t.tight
     if t.scene.options.get("packing_type") == "poisson":  # it ends elsewhere on other ranks: one makes it
         start = "-restart " + runs.numbered(t.run(scene, steps=1).folder, "checkpoint")[-1]
@@ -307,7 +312,8 @@ def ranks(t):
     wrong = close(scene, one, other)
     if wrong and not start:
         wrong = close(scene, one, other, limit=max(CLOSE, MANY * chance(t, scene, one)))
-    return [f"on {n}: {why}" for why in wrong or added_up(one, other)]
+    said_otherwise = [f"it says {other.doubts()}, not {one.doubts()}"] * (one.doubts() != other.doubts())
+    return [f"on {n}: {why}" for why in wrong or added_up(one, other) + said_otherwise]
 
 
 def bodies(t):

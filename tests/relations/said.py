@@ -54,7 +54,7 @@ def books(t):
 
 def told(t):
     """What is said in two places is the same: options and scene.json, a table and the series, the last snapshot and the
-    series, a dry run and the run."""
+    series, a dry run and the run; and what a run says of itself it says once."""
     run, wrong = t.measured, []
     scene, series = json.loads(run.text("scene.json")), run.table("series.csv")
     given = {o["name"][1:]: [float(word) for word in str(o["value"]).split(",")] for o in scene["options"]
@@ -101,6 +101,8 @@ def told(t):
     compare("volume of the last snapshot", volume.sum(), series["volume"][-1])
     compare("kinetic energy of the last snapshot", 0.5 * mass @ (run.last["velocity"]**2).sum(axis=1),
             series["kinetic_energy"][-1])
+    doubts = t.longer.doubts()
+    wrong += [f"said more than once: {doubt}" for doubt in sorted(set(doubts)) if doubts.count(doubt) > 1]
     wrong += tried_dry(t) + counted(t, scene)
     return wrong[:4]
 
