@@ -191,7 +191,8 @@ static PetscErrorCode ShareTable(Body body)
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%smotion_file", body->prefix));
   PetscCall(PetscSNPrintf(what, sizeof(what), "%d finite numbers, %s, or in all lines an angle more", (int)dim + 1,
                           dim == 2 ? "t,x,y" : "t,x,y,z"));
-  PetscCall(TableRead(body->domain->comm, option, what, dim + 1, dim + 2, &m->file, &m->rows, &columns, &read));
+  PetscCall(
+    TableRead(body->domain->comm, option, what, "later time", dim + 1, dim + 2, &m->file, &m->rows, &columns, &read));
   PetscCall(PetscCalloc1(TABLE_ROW * m->rows, &m->table));
   for (PetscInt k = 0; k < m->rows; k++) {
     PetscReal *row = m->table + TABLE_ROW * k;

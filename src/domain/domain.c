@@ -432,8 +432,8 @@ PetscInt DomainExit(Domain domain, const PetscReal x[DIM])
 
 const char *DomainUnit(Domain domain, const char unit[])
 {
-  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"}, {"Nm", "Nm/m"},
-                                        {"m3", "m2"}, {"m2", "m"},  {"m3/s", "m2/s"}};
+  static const char *const flat[][2] = {{"J", "J/m"}, {"N", "N/m"},     {"Nm", "Nm/m"}, {"m3", "m2"},
+                                        {"m2", "m"},  {"m3/s", "m2/s"}, {"W", "W/m"}};
 
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(flat) && DomainIsFlat(domain); k++)
     if (!strcmp(unit, flat[k][0])) return flat[k][1];

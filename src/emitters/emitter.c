@@ -79,7 +79,8 @@ static PetscErrorCode ReadSpeeds(Body body, Emitter *e)
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(option, sizeof(option), "-%svelocity_file", body->prefix));
-  PetscCall(TableRead(comm, option, "two finite numbers, time and speed", 2, 2, &e->file, &e->rows, &columns, &table));
+  PetscCall(TableRead(comm, option, "two finite numbers, time and speed", "later time", 2, 2, &e->file, &e->rows,
+                      &columns, &table));
   if (!e->rows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheckUser(e->rows <= ROWS_MOST, comm, "%s %s has %" PetscInt_FMT " lines; at most %d are allowed", option,
                  e->file.path, e->rows, ROWS_MOST);

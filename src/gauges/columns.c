@@ -30,6 +30,16 @@ PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode ColumnAddFields(ColumnList *list, Column row, PetscInt n, const FieldId fields[], const char prefix[])
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < n; f++) {
+    row.unit = strcmp(Fields[fields[f]].unit, "1") ? Fields[fields[f]].unit : NULL;
+    PetscCall(ColumnAdd(list, row, "%s%s", prefix, Fields[fields[f]].name));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GaugesColumnWords(Gauges gauges, const Column *column, ColumnWords *words)
 {
   static const char *const        counts[]            = {"run", "value", "sum"},

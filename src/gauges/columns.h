@@ -34,8 +34,10 @@ typedef struct GaugeKind {
 } GaugeKind;
 
 /* ColumnAdd - adds a row; the name is printed by the format. ColumnAddVector - adds a row for each of the components
-   first .. last of a vector, named "<name>_x" or "x" if the name is empty. Not collective. */
+   first .. last of a vector, named "<name>_x" or "x" if the name is empty. ColumnAddFields - adds a row for each of n
+   scalar fields. Not collective. */
 PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...);
+PetscErrorCode ColumnAddFields(ColumnList *list, Column row, PetscInt n, const FieldId fields[], const char prefix[]);
 PetscErrorCode ColumnAddVector(ColumnList *list, Column row, PetscInt first, PetscInt last, const char name[]);
 
 /* GaugesCloud - borrowed. GaugesRun - what GaugesSetRun told, or NULL. GaugeWallFace - the number of wall faces of the

@@ -68,11 +68,13 @@ PetscErrorCode PlacesCheck(Gauges gauges, const char option[], const char what[]
 /* InsideSolid - whether a place at this signed distance (m) from a solid lies inside the solid. A place on its surface
    does not. Not collective. */
 PetscBool InsideSolid(Gauges gauges, PetscReal distance);
-/* PointsSample - pressure (Pa) and velocity (dim components, m/s) at 'count' points at ([count][dim], m); values
-   [count][1 + dim]. The value is the Shepard mean sum V W f / sum V W over the fluid within the kernel's support,
-   through periodic faces and mirrors, but not through solids. A point on a wall or a solid thus reads the fluid in
-   front. In open air the pressure is 0, in a pocket of gas its own, and the velocity NAN. Inside a solid both are NAN.
-   Collective. */
+/* SampledFields - the fields that gauges take at places besides (CARRY_SCALAR) and this run has; their number. Not
+   collective. PointsSample - pressure (Pa), velocity (dim components, m/s) and the n SampledFields at 'count' points at
+   ([count][dim], m); values [count][1 + dim + n]. The value is the Shepard mean sum V W f / sum V W over the fluid
+   within the kernel's support, through periodic faces and mirrors, but not through solids. A point on a wall or a solid
+   thus reads the fluid in front. In open air the pressure is 0, in a pocket of gas its own, and all else NAN. Inside a
+   solid all is NAN. Collective. */
+PetscInt       SampledFields(Gauges gauges, FieldId fields[FIELD_STORED_COUNT]);
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
 /* --- heights.c --- */

@@ -1,5 +1,5 @@
-/* Along lines, a block of rows at each snapshot: pressure and velocity (lines.csv), the thickness of the liquid on
-   walls and solids below (film.csv). */
+/* Along lines, a block of rows at each snapshot: pressure, velocity and scalars (lines.csv), the thickness of the
+   liquid on walls and solids below (film.csv). */
 #include "gauges_impl.h"
 
 #define LINE_POINTS 50 /* default of -gauge_line_points */
@@ -21,8 +21,8 @@ static void LinePoints(const Places *lines, PetscInt width, PetscInt points, Pet
 
 static const OptionRow options[] = {
   {"-gauge_lines",
-   "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four): pressure and velocity along them are "
-   "written to lines.csv at each snapshot, nan inside solids",
+   "Lines from x,y,z to x,y,z (six numbers a line, in two dimensions four): pressure, velocity, temperature and "
+   "concentration along them are written to lines.csv at each snapshot, nan inside solids",
    "m", NULL, ROW_NUMBERS, offsetof(Lines, lines), .fallback = "none", .most = (GAUGE_LINES_MOST + 1) * 2 * DIM},
   {"-gauge_line_points", "Points of a line, ends included", "1", "[2, 10000]", ROW_INT, offsetof(Lines, points)},
   {"-gauge_film",
@@ -63,24 +63,28 @@ static PetscErrorCode Columns_Lines(Gauges gauges, const void *data, ColumnList 
 {
   const Column pressure = {.unit = "Pa", .counts = COUNTS_VALUE, .of = OF_PLACE, .needs = NEEDS_PRESSURE},
                velocity = {.unit = "m/s", .counts = COUNTS_VALUE, .of = OF_PLACE};
+  FieldId        fields[FIELD_STORED_COUNT];
+  const PetscInt n = SampledFields(gauges, fields);
 
   PetscFunctionBegin;
   if (!((const Lines *)data)->lines.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ColumnsPlace(DIM, list));
   PetscCall(ColumnAdd(list, pressure, "pressure"));
   PetscCall(ColumnAddVector(list, velocity, 0, DIM - 1, "velocity"));
+  PetscCall(ColumnAddFields(list, velocity, n, fields, ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Rows_Lines(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
 {
   const Lines   *lines = data;
+  FieldId        fields[FIELD_STORED_COUNT];
   const PetscInt dim = gauges->cloud->domain->dim, points = lines->points, n = lines->lines.count * points,
-                 width = 2 + 2 * DIM;
-  PetscReal *at, *sampled; /* [n][dim], [n][1 + dim] */
+                 more = SampledFields(gauges, fields), got = 1 + dim + more, width = 2 + 2 * DIM + more;
+  PetscReal *at, *sampled; /* [n][dim], [n][got] */
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n * dim, &at, n * (1 + dim), &sampled));
+  PetscCall(PetscMalloc2(n * dim, &at, n * got, &sampled));
   LinePoints(&lines->lines, dim, points, at);
   PetscCall(PointsSample(gauges, n, at, sampled));
   *count = gauges->rank ? 0 : n;
@@ -90,7 +94,8 @@ static PetscErrorCode Rows_Lines(Gauges gauges, void *data, PetscReal time, Pets
 
     row[0] = (PetscReal)(p / points) + 1;
     PetscCall(PetscArraycpy(row + 1, at + dim * p, dim));
-    PetscCall(PetscArraycpy(row + 1 + DIM, sampled + (1 + dim) * p, 1 + dim));
+    PetscCall(PetscArraycpy(row + 1 + DIM, sampled + got * p, 1 + dim));
+    PetscCall(PetscArraycpy(row + 2 + 2 * DIM, sampled + got * p + 1 + dim, more));
   }
   PetscCall(PetscFree2(at, sampled));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -3,8 +3,9 @@
 
 static const OptionRow options[] = {
   {"-gauge_points",
-   "Points (probes) x,y,z,x,y,z,... (in two dimensions x,y,x,y,...) whose pressure and velocity are written to the "
-   "series; in open air the pressure is 0, in a pocket of gas its own, inside a moving solid nan",
+   "Points (probes) x,y,z,x,y,z,... (in two dimensions x,y,x,y,...) whose pressure, velocity, temperature and "
+   "concentration are written to the series; in open air the pressure is 0, in a pocket of gas its own, inside a "
+   "moving solid nan",
    "m", NULL, ROW_NUMBERS, 0, .fallback = "none", .most = (GAUGE_PLACES_MOST + 1) * DIM},
   {.name = NULL},
 };
@@ -33,7 +34,8 @@ static PetscErrorCode Check_Points(Gauges gauges, void *data)
 
 static PetscErrorCode Columns_Points(Gauges gauges, const void *data, ColumnList *list)
 {
-  const PetscInt dim = gauges->cloud->domain->dim;
+  FieldId        fields[FIELD_STORED_COUNT];
+  const PetscInt dim = gauges->cloud->domain->dim, n = SampledFields(gauges, fields);
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < ((const Places *)data)->count; p++) {
@@ -45,6 +47,8 @@ static PetscErrorCode Columns_Points(Gauges gauges, const void *data, ColumnList
     row.needs = 0;
     PetscCall(PetscSNPrintf(name, sizeof(name), "point_%d_velocity", (int)p + 1));
     PetscCall(ColumnAddVector(list, row, 0, dim - 1, name));
+    PetscCall(PetscSNPrintf(name, sizeof(name), "point_%d_", (int)p + 1));
+    PetscCall(ColumnAddFields(list, row, n, fields, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -49,8 +49,19 @@ static PetscBool BehindSolid(Gauges gauges, const PetscReal x[DIM], PetscReal di
   return PETSC_FALSE;
 }
 
-/* Adds V W, V W p and V W v of this rank's fluid around an image to sum. Fluid behind a solid does not count. */
-static void AddAround(Gauges gauges, const ParticleArrays *arrays, const Image *image, PetscReal sum[2 + DIM])
+PetscInt SampledFields(Gauges gauges, FieldId fields[FIELD_STORED_COUNT])
+{
+  PetscInt n = 0;
+
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
+    if (Fields[f].carry == CARRY_SCALAR && ParticlesHave(gauges->cloud->particles, f)) fields[n++] = (FieldId)f;
+  return n;
+}
+
+/* Adds V W, V W p, V W v and V W times the n fields of this rank's fluid around an image to sum. Fluid behind a solid
+   does not count. */
+static void AddAround(Gauges gauges, const ParticleArrays *arrays, const Image *image, PetscInt n,
+                      const FieldId fields[], PetscReal sum[])
 {
   Kernel          kernel   = gauges->cloud->kernel;
   const Domain    domain   = gauges->cloud->domain;
@@ -69,6 +80,7 @@ static void AddAround(Gauges gauges, const ParticleArrays *arrays, const Image *
     sum[0] += W;
     sum[1] += W * arrays->real[FIELD_PRESSURE][a];
     for (PetscInt d = 0; d < DIM; d++) sum[2 + d] += W * image->sign[d] * v[DIM * a + d];
+    for (PetscInt f = 0; f < n; f++) sum[2 + DIM + f] += W * arrays->real[fields[f]][a];
   }
 }
 
@@ -84,13 +96,14 @@ static PetscReal Beside(Gauges gauges, const PetscReal at[])
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[])
 {
   const Domain   domain = gauges->cloud->domain;
-  const PetscInt width  = 1 + domain->dim;
+  FieldId        fields[FIELD_STORED_COUNT];
+  const PetscInt n = SampledFields(gauges, fields), width = 1 + domain->dim + n, sums = 2 + DIM + n;
   PetscReal     *sum;
   PetscBool     *inside;
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(count * (2 + DIM), &sum, count, &inside));
+  PetscCall(PetscCalloc2(count * sums, &sum, count, &inside));
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   for (PetscInt p = 0; p < count; p++) {
     Image          image[IMAGES_MOST];
@@ -98,18 +111,20 @@ PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[],
                                          gauges->cloud->size_most * KernelSupport(gauges->cloud->kernel), image);
 
     inside[p] = InsideSolid(gauges, SceneSolidDistance(gauges->cloud->scene, image[0].x, NULL));
-    for (PetscInt k = 0; k < images && !inside[p]; k++) AddAround(gauges, &arrays, &image[k], sum + (2 + DIM) * p);
+    for (PetscInt k = 0; k < images && !inside[p]; k++)
+      AddAround(gauges, &arrays, &image[k], n, fields, sum + sums * p);
   }
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(count * (2 + DIM)), MPIU_REAL, MPIU_SUM, gauges->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(count * sums), MPIU_REAL, MPIU_SUM, gauges->comm));
   for (PetscInt p = 0; p < count; p++) {
-    const PetscReal *s = sum + (2 + DIM) * p;
+    const PetscReal *s = sum + sums * p;
 
     if (s[0] > 0)
       values[width * p] = s[1] / s[0];
     else
       values[width * p] = inside[p] ? NAN : Beside(gauges, at + domain->dim * p);
     for (PetscInt d = 0; d < domain->dim; d++) values[width * p + 1 + d] = s[0] > 0 ? s[2 + d] / s[0] : NAN;
+    for (PetscInt f = 0; f < n; f++) values[width * p + 1 + domain->dim + f] = s[0] > 0 ? s[2 + DIM + f] / s[0] : NAN;
   }
   PetscCall(PetscFree2(sum, inside));
   PetscFunctionReturn(PETSC_SUCCESS);

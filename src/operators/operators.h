@@ -103,6 +103,9 @@ PetscReal OperatorsViscosityFactor(Cloud cloud, ViscosityForm form);
    distance from the wall alone, at least WALL_CLOSEST, so the term remains a symmetric, dissipative sum over pairs. Not
    collective. */
 void OperatorsNoSlip(Cloud cloud, Viscosity *viscosity);
+/* OperatorsDepths - depth (m, [n_total]) of each dummy particle of a solid below the solid's surface; 0 for other
+   particles. Not collective. */
+void OperatorsDepths(Cloud cloud, PetscReal depth[]);
 /* OperatorsApparentViscosity - sets FIELD_VISCOSITY (Pa s) of the fluid, ghosts too, from the shear rates of
    FIELD_VELOCITY at the positions of the last search. The velocity gradient is exact for a velocity that is linear up
    to the faces of walls. viscosity: whether the liquid slips there. No effect in scenes without varying viscosity

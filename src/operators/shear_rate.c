@@ -4,8 +4,7 @@
 
 #define CURVE_MINIMUM 0.02 /* fraction of the squares that a linear fit must leave to the quadratic term */
 
-/* Depth (m) of each dummy particle of a solid below the solid's surface; 0 for other particles. */
-static void FindDepths(Cloud cloud, PetscReal depth[])
+void OperatorsDepths(Cloud cloud, PetscReal depth[])
 {
   for (PetscInt a = 0; a < cloud->n_total; a++)
     depth[a] = cloud->integer[INT_BODY][a] <= BODY_SOLID
@@ -127,7 +126,7 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   PetscCall(CloudGetWork(cloud, 1, &depth));
-  FindDepths(cloud, depth);
+  OperatorsDepths(cloud, depth);
   for (PetscInt a = 0; a < cloud->n_owned; a++) {
     const PetscInt body = cloud->integer[INT_BODY][a];
     PetscReal      L[DIM][DIM], *mu = cloud->field[FIELD_VISCOSITY] + a;

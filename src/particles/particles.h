@@ -24,6 +24,7 @@ typedef enum {
   CARRY_OWN,       /* nothing but that of the particle that stays: found anew in the next step; halves: the same */
   CARRY_MEAN,      /* the mean, weighted by volume; halves: the same */
   CARRY_SUM,       /* the sum; halves: half of it */
+  CARRY_SCALAR,    /* as the mean; a property of the liquid, which gauges take at points and along lines */
   CARRY_LOGARITHM, /* the mean of the logarithms, weighted by volume: a value over decades; halves: the same */
 } Carry;
 
@@ -44,7 +45,9 @@ typedef enum {
     "viscosity in the last step; stored if the viscosity of a body depends on the shear rate")                         \
   X(COLOUR, "colour", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                               \
     "part of the volume that was of the first body at the start; stored if bodies mix (-spacing_follow)")              \
-  X(TEMPERATURE, "temperature", 1, PARITY_SCALAR, CARRY_MEAN, "K", "temperature; stored with -<body>_temperature")     \
+  X(TEMPERATURE, "temperature", 1, PARITY_SCALAR, CARRY_SCALAR, "K", "temperature; stored with -<body>_temperature")   \
+  X(CONCENTRATION, "concentration", 1, PARITY_SCALAR, CARRY_SCALAR, "1",                                               \
+    "concentration; stored with -<body>_concentration or -<body>_diffusivity")                                         \
   X(LINE, "line_capillary_number", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                  \
     "mu U/sigma of the contact line nearby, positive if it advances; stored with -wall_contact_law")
 

@@ -49,6 +49,7 @@ static PetscReal Carried(Carry carry, PetscReal of_a, PetscReal value_a, PetscRe
 {
   switch (carry) {
   case CARRY_MEAN:
+  case CARRY_SCALAR:
     return of_b * value_b + of_a * value_a;
   case CARRY_SUM:
     return value_a + value_b;

@@ -132,11 +132,12 @@ PetscBool BodyBeyond(Body solid, PetscReal reach, const PetscReal x[DIM]);
 /* TableRead - the table of a file: *rows lines of *columns numbers, least <= *columns <= most, which rank 0 reads and
    sends to the others; *table ([rows][columns], PetscFree) is NULL if the path is empty. Sets the file's checksum.
    Skips a byte-order mark, blank lines, comments (#), and a first other line that has the names of the columns. Refuses
-   (UserError), by the option's name and 'what' a line must have, a file that cannot be read, a line with other than
-   finite numbers, of another length or with no later time than the line before, and fewer than two lines. Collective.
+   (UserError), by the option's name, 'what' a line must have and 'first' ("later time") its first number must be, a
+   file that cannot be read, a line with other than finite numbers, of another length or with no later time than the
+   line before, and fewer than two lines. Collective.
  */
-PetscErrorCode TableRead(MPI_Comm comm, const char option[], const char what[], PetscInt least, PetscInt most,
-                         OptionFile *file, PetscInt *rows, PetscInt *columns, PetscReal **table);
+PetscErrorCode TableRead(MPI_Comm comm, const char option[], const char what[], const char first[], PetscInt least,
+                         PetscInt most, OptionFile *file, PetscInt *rows, PetscInt *columns, PetscReal **table);
 /* RateCheck - completes the numbers of -<prefix>rotation_rate to a vector (rad/s), zero without numbers, and refuses
    (UserError) numbers that are no angular velocity. Collective. */
 PetscErrorCode RateCheck(Domain domain, const char prefix[], const OptionNumbers *given, PetscReal rate[DIM]);

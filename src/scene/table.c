@@ -87,8 +87,8 @@ static PetscErrorCode ReadFile(const char path[], PetscInt least, PetscInt most,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode TableRead(MPI_Comm comm, const char option[], const char what[], PetscInt least, PetscInt most,
-                         OptionFile *file, PetscInt *rows, PetscInt *columns, PetscReal **table)
+PetscErrorCode TableRead(MPI_Comm comm, const char option[], const char what[], const char first[], PetscInt least,
+                         PetscInt most, OptionFile *file, PetscInt *rows, PetscInt *columns, PetscReal **table)
 {
   PetscMPIInt rank;
   int         bad = 0;
@@ -104,10 +104,11 @@ PetscErrorCode TableRead(MPI_Comm comm, const char option[], const char what[], 
   PetscCallMPI(MPI_Bcast(rows, 1, MPIU_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(columns, 1, MPIU_INT, 0, comm));
   PetscCheckUser(bad >= 0, comm, "%s %s cannot be read or is no regular file", option, file->path);
-  PetscCheckUser(bad == 0, comm,
-                 "%s %s, line %d: a line must have %s, and a later time than the line before; the first line may have "
-                 "the names of the columns",
-                 option, file->path, bad, what);
+  PetscCheckUser(
+    bad == 0, comm,
+    "%s %s, line %d: a line must have %s, and a %s than the line before; the first line may have the names "
+    "of the columns",
+    option, file->path, bad, what, first);
   PetscCheckUser(*rows >= 2, comm, "%s %s must have two lines or more", option, file->path);
   if (rank) PetscCall(PetscMalloc1(*columns * *rows, table));
   PetscCallMPI(MPI_Bcast(*table, (PetscMPIInt)(*columns * *rows), MPIU_REAL, 0, comm));

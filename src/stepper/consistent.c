@@ -14,6 +14,23 @@
 #define FORCE_LIMIT_RAW  0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
 #define RELAXATION_RATIO 5    /* time in which density errors are corrected, over h/U of the scene */
 
+/* Shifts the particles, and then what edges have them carry. */
+static PetscErrorCode ShiftAll(Stepper stepper, const Shifting *shifting, PetscReal dt)
+{
+  const Cloud      cloud = stepper->cloud;
+  const PetscReal *x     = cloud->field[FIELD_POSITION_NEW];
+  PetscReal       *moved;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &moved));
+  PetscCall(PetscArraycpy(moved, x, DIM * cloud->n_fluid));
+  PetscCall(Shift(cloud, shifting, stepper->guard, dt));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) moved[k] = x[k] - moved[k];
+  StepHook(stepper, shifted, &step, moved);
+  PetscCall(CloudRestoreWork(cloud, &moved));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
   const Consistent *scheme  = (const Consistent *)stepper->scheme;
@@ -44,7 +61,7 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   /* r^{n+1} = r^{n+1/2} + dt/2 v^{n+1} */
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   /* r^{n+1} += dr, v^{n+1} += (dr.grad) v* */
-  if (scheme->shifting.active) PetscCall(Shift(cloud, &scheme->shifting, stepper->guard, dt));
+  if (scheme->shifting.active) PetscCall(ShiftAll(stepper, &scheme->shifting, dt));
   /* no particle inside a wall */
   PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);

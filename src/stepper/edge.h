@@ -170,6 +170,8 @@ typedef struct _Edge {
   PetscErrorCode (*work)(const Step *step, PetscReal mean[]);
   /* after the pressure has made FIELD_VELOCITY_NEW */
   PetscErrorCode (*kick)(const Step *step);
+  /* after particles have been shifted: moved ([n_fluid][3], m), relative to the liquid, at the positions of the sums */
+  PetscErrorCode (*shifted)(const Step *step, const PetscReal moved[]);
   /* --- the second half of 'drift' --- */
 
   /* at the end of the step, for each particle that is kept out of a solid: x (m), and the momentum (N s) that it loses.

@@ -164,7 +164,8 @@ PetscErrorCode StepperSetFromOptions(Stepper s)
   if (velocity > 0)
     PetscCall(
       PressureSetRelaxationTime(s->pressure, s->relaxation_ratio * KernelSmoothingLength(s->cloud->kernel) / velocity));
-  PetscCheckUser(velocity > 0 || s->limits.max > 0 || s->limits.fixed > 0, s->cloud->comm,
+  PetscCheckUser(velocity > 0 || s->limits.max > 0 || s->limits.fixed > 0 || StepEdgesBound(s, 1) < PETSC_MAX_REAL,
+                 s->cloud->comm,
                  "no motion or force in the scene bounds the time step: give -time_step or -time_step_max (s)");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -220,6 +220,9 @@ PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
 PetscErrorCode TimeStepView(Stepper stepper, PetscViewer viewer);
 /* StepSize - chooses the step (s) from the state and the options, and whether its viscosity is implicit. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
+/* StepEdgesBound - the least bound of the step (s) that edges bring, with a spacing 'scale' times as large. Not
+   collective. */
+PetscReal StepEdgesBound(Stepper stepper, PetscReal scale);
 /* StepperEnergyAtHand - bound of the kinetic energy that a scene's liquid can have, J/kg: from speeds of bodies and
    walls, a fall through the box, and the surface of every particle. 0: no bound, since gravity acts along a periodic
    direction or an edge brings energy. Not collective. */

@@ -261,8 +261,7 @@ static PetscBool EdgeBound(const Step *step, PetscReal scale, StepBound *bound)
   return PETSC_TRUE;
 }
 
-/* The least bound (s) of the edges. */
-static PetscReal EdgesBound(Stepper stepper, PetscReal scale)
+PetscReal StepEdgesBound(Stepper stepper, PetscReal scale)
 {
   PetscReal least = PETSC_MAX_REAL;
   StepBound bound;
@@ -277,7 +276,7 @@ static PetscReal LeastBound(Stepper stepper, const StepBounds *bounds, PetscReal
 {
   const PetscReal own = PetscMin(PetscMin(bounds->speed, bounds->force), PetscMin(bounds->tension, bounds->swing));
 
-  return PetscMin(own, EdgesBound(stepper, scale));
+  return PetscMin(own, StepEdgesBound(stepper, scale));
 }
 
 /* Whether implicit viscosity is faster for a step that all other bounds allow. */

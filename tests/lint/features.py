@@ -31,7 +31,7 @@ FEATURES = {
                       r"\w*Contact[A-Z]\w*|contact_\w+|\w*Hysteresis\w*|\w*FastestLine|fastest_line|LARGEST_LINE"
                       r"|LinesMove|LineOps|TensionLines|TensionHasLaw|TensionSolidsWet|\w*MovingLine\w*", 4),
     "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 1),
-    "heat": (("heat/",), r"Heat[A-Z]\w*|HEAT\w*|GaugeTemperature", 1),
+    "heat": (("heat/",), r"Heat[A-Z]\w*|HEAT\w*|GaugeScalars", 1),
     "outlets": (("outlets/",), r"Outlet[A-Z]\w*|OUTLET\w*", 1),
     "interface": (("interface/",), r"Interface[A-Z]\w*|\w+Interface|interface_\w+", 2),
     "pressure jumps": (("neighbors/", "pressure/"),

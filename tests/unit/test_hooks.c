@@ -38,6 +38,7 @@ HEARD(follow, const Step *step, PetscBool own, PetscReal u[])
 HEARD(drag, const Step *step, const PetscReal velocity[])
 HEARD(predict, const Step *step)
 HEARD(work, const Step *step, PetscReal mean[])
+HEARD(shifted, const Step *step, const PetscReal moved[])
 HEARD(guard, const Step *step)
 
 static PetscErrorCode Spy_force(const Step *step)
@@ -91,6 +92,7 @@ static const Edge        Spy     = {.name     = SPY,
                                     .predict  = Spy_predict,
                                     .work     = Spy_work,
                                     .kick     = Spy_kick,
+                                    .shifted  = Spy_shifted,
                                     .guard    = Spy_guard,
                                     .commit   = Spy_commit};
 static const Edge *const spies[] = {&Spy, NULL};
