@@ -12,8 +12,8 @@ import verdict
 ROOT = os.environ.get("LINT_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 NUMBER = re.compile(r"#define (\w+)\s+\(?(-?[\d.]+(?:e-?\d+)?)\)?\s*(/\*.*)?$")
 # words of a reason: a year, a measured share, a comparison, a place to read, a clause behind a colon or semicolon
-REASON = re.compile(r"\b(1[89]|20)\d\d\b|%|[:;=]|\b(so that|else|because|as in|see|tried|stable|round\w*|than|with|without|"
-                    r"takes|is|are|has|have|must)\b|cases/|tests/", re.I)
+REASON = re.compile(r"\b(1[89]|20)\d\d\b|%|[:;=]|cases/|tests/|\b(so that|else|because|as in|see|tried|stable|round\w*|"
+                    r"than|with|without|takes|is|are|has|have|must)\b", re.I)
 
 
 def constants(lines):

@@ -12,8 +12,8 @@ allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 # The headers a folder shows to the others; what it has besides is its own.
 declare -A public=([neighbors]=cloud.h)
 # Second public headers.
-extra=" base/json.h base/shared.h base/simd.h domain/images.h gauges/columns.h neighbors/pairs.h neighbors/sorted_cells.h stepper/edge.h "
-extra+="packing/samples.h scene/body.h tension/lines.h "
+extra=" base/json.h base/shared.h base/simd.h domain/images.h gauges/columns.h neighbors/pairs.h "
+extra+="neighbors/sorted_cells.h stepper/edge.h packing/samples.h scene/body.h tension/lines.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
 
