@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Named numbers of src/ say where they come from. A `#define NAME 0.5` with a decimal point or an exponent has a comment,
-behind it or above its group, that gives a source, a measurement or a reason; one whose comment only says what it is, or
-says "no reference", has its name and file in a row of CONTRIBUTING.md, "Where physics is wanted". Those rows name
-nothing that is not there. LINT_ROOT: another tree, for a test of the test."""
+"""Named numbers of src/ say where they come from. A `#define NAME 0.5`, with a decimal point or an exponent, has a
+comment, behind it or above its group, that gives a source, a measurement or a reason. One whose comment only says
+what it is, or says "no reference", has its name and file in a row of CONTRIBUTING.md, "Where physics is wanted".
+Those rows name nothing that is not there. LINT_ROOT: another tree, for a test of the test."""
 import glob
 import os
 import re
