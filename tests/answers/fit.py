@@ -3,6 +3,7 @@
 
 swings    a damped oscillation in place of runs, with errors by spacing and packing of a known size: in nine of ten
           curves with noise and gaps the values lie inside the bars; another start; what a curve cannot tell
+outlines  the outline of a hanging drop, by the Young-Laplace equation, tells the tension
 vortices  the exact decay of Taylor and Green's vortices tells the viscosity
 refused   curves and ranges that cannot be used"""
 import math
@@ -18,6 +19,7 @@ import isph  # noqa: E402
 from isph import fitting  # noqa: E402
 
 VORTEX = os.path.join(runs.ROOT, "cases", "taylor_green", "case.opts")
+HANGING = os.path.join(runs.ROOT, "cases", "my_liquid", "case.opts")
 TIMES = np.linspace(0, 1, 81)
 FREE = {"water_tension": (0.02, 0.1), "water_viscosity": (1e-3, 1e-1)}
 SWINGS = 3  # in TIMES, with the tension 0.05
@@ -91,6 +93,14 @@ def vortices():
     runs.check(count > 15 and len(os.listdir(home)) == count, "not_repeated", str(count))
 
 
+def outlines():
+    found = isph.fit(HANGING, os.path.join(os.path.dirname(HANGING), "outline.csv"), {"drop_tension": (0.02, 0.1)},
+                     output=runs.scratch("outlines"), jobs=2)["drop_tension"]
+    runs.check(not found.doubt, "outline_tells_the_tension", found.doubt)
+    runs.check_below(abs(found.value - 0.05), found.bar, "tension_of_an_outline")
+    runs.check_below(found.bar, 0.012, "bar_of_an_outline")
+
+
 def refused():
     def says(words, *arguments, **more):
         try:
@@ -103,6 +113,13 @@ def refused():
     text = runs.scratch("text.csv")
     with open(text, "w", encoding="utf-8") as file:
         file.write("hours,angle\n1,2\n2,3\n")
+    sides = runs.scratch("sides.csv")
+    with open(sides, "w", encoding="utf-8") as file:
+        file.write("x_m,highest_m\n0,1\n1,2\n")
+    octant = os.path.join(runs.ROOT, "cases", "oscillating_drop", "case.opts")
+    says("an outline is that of a scene in the plane", octant, (TIMES, TIMES), {"drop_tension": (0.01, 0.1)},
+         column="outline")
+    says("must have a head line with time_s", HANGING, sides, {"drop_tension": (0.01, 0.1)})
     says("no column brightness", VORTEX, (TIMES, TIMES), one, column="brightness")
     says("tells nothing", VORTEX, (TIMES, flat), one, **curve)
     says("3 values", VORTEX, (TIMES[:3], TIMES[:3]), one, **curve)
@@ -113,7 +130,7 @@ def refused():
     says("is no table", VORTEX, "nowhere.csv", one)
 
 
-PARTS = {f.__name__: f for f in (swings, vortices, refused)}
+PARTS = {f.__name__: f for f in (swings, outlines, vortices, refused)}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()

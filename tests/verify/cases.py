@@ -257,7 +257,7 @@ COLLIDE = "-options_file cases/drop_collision/"
 ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("drop_collision", "off centre", COLLIDE + "off_center.opts", TEST, packings=3),
             Entry("drop_collision", "two sizes, two liquids", COLLIDE + "unequal.opts"),
-            Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS),
+            Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS), Entry("my_liquid", size=TEST),
             Entry("sessile_drop", "rings, 0.1 mm", "-spacing 0.1e-3 -time_end 0.4", file=RINGS), Entry("thin_film"),
             Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
             Entry("sloshing"), Entry("sloshing", "air in the corner of the roof", file="pocket.opts"), Entry("jet"),
@@ -271,7 +271,7 @@ ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
-DEFAULT_ONLY = {"film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "shear_under_gravity",
+DEFAULT_ONLY = {"my_liquid", "film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "shear_under_gravity",
                 "stokes_second", "column", "turning_box",
                 "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
                 "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",

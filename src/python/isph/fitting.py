@@ -10,7 +10,7 @@ import typing
 import numpy as np
 
 from . import launch
-from .running import Job, name_of, together
+from .running import Job, name_of, words_of
 from .tables import Error
 
 COARSER = (2.0, 2**0.5, 1.0)  # times the scene's spacing, the cheapest first
@@ -88,6 +88,18 @@ class Curve:
         return found, (np.atleast_1d(table[clock]), np.atleast_1d(table[found]))
 
 
+def attempt(job):
+    """A run, or the program's sentence: with some values a drop falls off."""
+    try:
+        return job.go()
+    except Error as error:
+        return error
+
+
+def together(jobs, count):
+    return launch.beside(attempt, jobs, count)
+
+
 class Model:
     """The curve that a run with these values of the options has at one spacing."""
 
@@ -96,8 +108,9 @@ class Model:
         self.names, self.lower, self.upper = list(free), *np.log(np.array(list(free.values()), float).T)
         self.spacing, self.output, self.runs = spacing, output, {}
 
-    def curves(self, points, seeds=(None,)):
-        """The residuals of each point (logarithms of values), with each seed, over the values of the curve."""
+    def curves(self, points, seeds=(None,), trial=False):
+        """The residuals of each point (logarithms of values), with each seed, over the values of the curve. trial: a run
+        that fails is far from the curve."""
         wanted = [(tuple(f"{math.exp(number):.6g}" for number in point), seed) for point in points for seed in seeds]
         new = [key for key in dict.fromkeys(wanted) if key not in self.runs]
         made = []
@@ -107,9 +120,13 @@ class Model:
                 options["packing_seed"] = seed
             name = "_".join([f"{self.spacing:.4g}", *values, *([f"seed{seed}"] if seed else [])])
             made.append(Job(self.scene, os.path.join(self.output, name), False, 1, options))
-        for key, run in zip(new, together(made, self.jobs, False)):
-            self.runs[key] = self.curve.of(run.series)
-        return [self.residual(*self.runs[key]) for key in wanted]
+        for key, run in zip(new, together(made, self.jobs)):
+            self.runs[key] = run if isinstance(run, Error) else self.curve.of(run.series)
+        far = np.full(len(self.curve.values), 10 * np.ptp(self.curve.values)), self.start[0]
+        failed = next((self.runs[key] for key in wanted if isinstance(self.runs[key], Error)), None)
+        if failed and not trial:
+            raise failed
+        return [far if isinstance(self.runs[key], Error) else self.residual(*self.runs[key]) for key in wanted]
 
     def residual(self, times, values):
         """The run's curve less the measured one, with the start of the clock that fits best: (residual, start)."""
@@ -126,7 +143,7 @@ class Model:
         count = SCAN.get(len(self.names), 2)
         axes = [low + (high - low) * (np.arange(count) + 0.5) / count for low, high in zip(self.lower, self.upper)]
         points = list(itertools.product(*axes))
-        return np.array(min(zip(self.curves(points), points), key=lambda one: np.sum(one[0][0]**2))[1])
+        return np.array(min(zip(self.curves(points, trial=True), points), key=lambda one: np.sum(one[0][0]**2))[1])
 
     def slopes(self, point, residual):
         """d residual / d logarithm [points][options]; the steps go away from the nearer end of the range."""
@@ -146,7 +163,7 @@ class Model:
             there = np.clip(point + step, self.lower, self.upper)
             if np.abs(there - point).max() < ENOUGH:
                 break
-            further, begins = self.curves([there])[0]
+            further, begins = self.curves([there], trial=True)[0]
             if np.sum(further**2) < np.sum(residual**2):
                 point, residual, start, damping = there, further, begins, damping / 5
                 slopes = self.slopes(point, residual)
@@ -230,8 +247,7 @@ def fit(scene, curve, free, column=None, start=(0, 0), jobs=1, output=None, **op
     start: the least and most by which the scene's clock is ahead of the curve's (s), which is sought, too. Coarse runs
     come first; no run is repeated. The bar has the noise of the curve, the packing and the spacing. Returns a Fit, with
     a page."""
-    known = launch.known.__wrapped__(os.fspath(scene), *[word for name, value in options.items()
-                                                         for word in ("-" + name, str(value))])
+    known = launch.known.__wrapped__(os.fspath(scene), *words_of(options))
     rows = [row for row in known["columns"] if row["file"] == "series.csv"]
     measured = Curve(curve, column, rows)
     asked(free, known, measured, start, scene)
