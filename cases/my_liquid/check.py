@@ -13,8 +13,8 @@ STEP = 2e-7  # m, along the outline
 
 
 def outline(curvature, sigma):
-    """Radius, depth below the tip (m), volume (m3) along the outline of a drop that hangs, from its tip on to where it is
-    upright: d phi/ds = curvature - rho g z/sigma - sin phi/x, phi the slope, curvature the sum of both at the tip."""
+    """Radius, height over the tip (m), volume (m3) along the outline of a drop that hangs, from its tip on to where it
+    is upright: d phi/ds = curvature - rho g z/sigma - sin phi/x, phi the slope, curvature the sum of both at the tip."""
     x = z = volume = phi = 0.0
     found = [(x, z, volume)]
     while phi < np.pi / 2 and len(found) < 50000:
@@ -46,7 +46,8 @@ def check(folder):
     seen = np.array([series[f"height_{k + 1}_m"][-1] for k in range(len(places))])
     exact = np.interp(places, x, distance)
     return [physics.relative("length of the drop", 1e3 * seen[0], 1e3 * exact[0], 0.02, "mm"),
-            physics.at_most("outline, rms error over its length", np.sqrt(((seen - exact)**2).mean()) / exact[0], 0.015)]
+            physics.at_most("outline, rms error over its length",
+                            np.sqrt(((seen - exact)**2).mean()) / exact[0], 0.015)]
 
 
 if __name__ == "__main__":

@@ -109,8 +109,8 @@ class Model:
         self.spacing, self.output, self.runs = spacing, output, {}
 
     def curves(self, points, seeds=(None,), trial=False):
-        """The residuals of each point (logarithms of values), with each seed, over the values of the curve. trial: a run
-        that fails is far from the curve."""
+        """The residuals of each point (logarithms of values), with each seed, over the values of the curve. trial: a
+        run that fails is far from the curve."""
         wanted = [(tuple(f"{math.exp(number):.6g}" for number in point), seed) for point in points for seed in seeds]
         new = [key for key in dict.fromkeys(wanted) if key not in self.runs]
         made = []
