@@ -13,8 +13,8 @@ STEP = 2e-7  # m, along the outline
 
 
 def outline(curvature, sigma):
-    """Radius, height over the tip (m), volume (m3) along the outline of a drop that hangs, from its tip on to where it
-    is upright: d phi/ds = curvature - rho g z/sigma - sin phi/x, phi the slope, curvature the sum of both at the tip."""
+    """Radius, height over the tip (m), volume (m3) along the outline of a drop that hangs, from its tip to where it is
+    upright: d phi/ds = curvature - rho g z/sigma - sin phi/x, phi the slope, curvature the sum of both at the tip."""
     x = z = volume = phi = 0.0
     found = [(x, z, volume)]
     while phi < np.pi / 2 and len(found) < 50000:
