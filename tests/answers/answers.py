@@ -221,6 +221,11 @@ def quantities():
         refused(lambda t=text: quantity.Quantity(t), "QUANTITY", f"refuses_{text}")
     refused(lambda: quantity.Quantity("c:max").find(rows), "there are", "refuses_unknown_column")
     refused(lambda: quantity.Quantity("a:at=4").of(series), "from 0 to 2.9", "refuses_late_time")
+    half = runs.scratch("half.csv")  # a run that still writes
+    with open(half, "w", encoding="utf-8") as file:
+        file.write("time,highest\n0,1\n0.1,2\n0.2")
+    read = tables.read_table(half)
+    runs.check(dict(read) == {"time": [0, 0.1], "highest": [1, 2]}, "half_a_line_is_left_out", dict(read))
 
 
 def scene(name, options):
