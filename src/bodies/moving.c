@@ -101,22 +101,49 @@ static PetscErrorCode Drag(const Step *step, const PetscReal velocity[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the work of the pressure of solids that move. */
+/* The mean of the velocities (m/s, [n_total][3]) at the start and the end of the step, of solids that move; before the
+   first step they rest: what starts with a speed is brought to it. The cloud's positions are those in the middle. */
+static PetscErrorCode MeanVelocities(const Step *step, PetscReal mean[])
+{
+  const Cloud     cloud  = step->cloud;
+  const PetscReal middle = step->time + 0.5 * step->dt;
+
+  PetscFunctionBegin;
+  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
+    const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][a]);
+    PetscReal  x[DIM], start[DIM] = {0, 0, 0};
+
+    if (!solid || BodyMass(solid) > 0) continue;
+    for (PetscInt d = 0; d < DIM; d++) x[d] = cloud->field[FIELD_POSITION][DIM * a + d];
+    BodyMove(solid, middle, step->time, x);
+    if (!step->first) BodyMotion(solid, step->time, x, start);
+    for (PetscInt d = 0; d < DIM; d++) mean[DIM * a + d] = 0.5 * (start[d] + cloud->field[FIELD_VELOCITY][DIM * a + d]);
+  }
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, mean));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the work of the pressure of solids that move. Its impulse takes the liquid from the velocities at the start to
+   those at the end of the step, so it acts on their mean. With those at the end a paddle that swings gave 6 % too
+   much, and one that starts with a speed twice what the liquid got. */
 static PetscErrorCode Kick(const Step *step)
 {
   const Cloud cloud = step->cloud;
-  PetscReal  *force;
+  PetscReal  *force, *mean;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &force));
+  PetscCall(CloudGetWork(cloud, DIM, &mean));
+  PetscCall(MeanVelocities(step, mean));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
   PetscCall(PressureLoad(step->pressure, force));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
 
     if (solid && BodyMass(solid) <= 0) /* free bodies: free.c */
-      step->trial->sum[SUM_SOLID_WORK] -= step->dt * Dot(force + DIM * b, cloud->field[FIELD_VELOCITY] + DIM * b);
+      step->trial->sum[SUM_SOLID_WORK] -= step->dt * Dot(force + DIM * b, mean + DIM * b);
   }
+  PetscCall(CloudRestoreWork(cloud, &mean));
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -347,10 +347,10 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscFunctionBegin;
   SceneSetTime(cloud->scene, state->time); /* the step is that of the force now, after a restart, too */
   PetscCall(StepSize(stepper, state, end, &dt));
-  stepper->first    = (PetscBool)(state->step == 0);
-  stepper->now.time = state->time;
-  stepper->now.dt   = dt;
-  *failed           = PETSC_TRUE;
+  stepper->now.first = (PetscBool)(state->step == 0);
+  stepper->now.time  = state->time;
+  stepper->now.dt    = dt;
+  *failed            = PETSC_TRUE;
   if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
     PetscCall(PetscSNPrintf(why, length,
                             "the time step has fallen to %.1e s and does not advance the time any more, because speeds "

@@ -86,7 +86,6 @@ struct _p_Stepper {
   PetscReal          reference_velocity; /* m/s */
   PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
   PetscReal          relaxation_step;    /* s; 0: as in the run */
-  PetscBool          first;              /* the step is the first of a run */
   PetscInt           underresolved;      /* StepperUnderresolved */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */

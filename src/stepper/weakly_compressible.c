@@ -202,7 +202,7 @@ static PetscErrorCode Project(Stepper stepper, PetscReal dt, PressureResult *res
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PROJECT), 0, 0, 0, 0));
-  if (stepper->first)
+  if (stepper->now.first)
     PetscCall(PressureAtStart(stepper, dt, result));
   else
     PetscCall(Compress(stepper, dt));

@@ -48,6 +48,8 @@ def books(t):
             t.scene.number(f"{name}_viscosity") >= STIFF for name in liquids):
         raise Unfit("not cured: the work of implicit viscosity is that of one velocity, and long steps have two")
     found = re.search(r"residual .*?, (\S+) % of .*?: (.*)", t.longer.text("log.txt"))
+    if not found:  # nothing was exchanged
+        return []
     share = float(found[1])
     return [found[0]] if share > UNSEEN and found[2].startswith("energy has grown") or share < -ALL else []
 

@@ -79,7 +79,27 @@ def outlets():
         runs.check("the outside of xmax presses more" in log.read(), "it says that liquid would enter")
 
 
-PARTS = {"periodic": periodic, "emitters": emitters, "gas": gas, "outlets": outlets}
+PISTON = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1.2,0.7 -box_x wall -box_ymin wall -gravity 0,-9.81
+ -bodies water -water_upper 1.2,0.4 -solids paddle -paddle_lower 0.56,-0.1 -paddle_upper 0.64,0.6
+ -paddle_oscillation_amplitude 0.01,0 -paddle_oscillation_frequency 1 """
+
+
+def solids():
+    # A paddle that starts with a speed gives what the water gets, not twice.
+    s, rest = books(PISTON + "-series_interval 0.01 -time_end 0.02", "paddle")
+    runs.check_within(s["outside_work"][-1] / s["kinetic_energy"].max(), 0.95, 1.05, "work of a paddle that starts")
+
+
+def at_rest():
+    # Nothing is exchanged in a tank at rest: its books are no share of it, and no option is named.
+    for name, more in (("walls", "-box_xmax wall"), ("outlet", "-box_xmax_level 0.5")):
+        path = runs.run(TANK + more + " -box_ymin wall -time_end 0.4" + QUIET, f"rest_{name}")
+        with open(os.path.join(path, "log.txt"), encoding="utf-8") as log:
+            line = log.read().split("residual")[1].split("\n")[0]
+        runs.check("within the error" in line and "%" not in line, f"a tank at rest, {name}: its residual", line)
+
+
+PARTS = {"solids": solids, "at_rest": at_rest, "periodic": periodic, "emitters": emitters, "gas": gas, "outlets": outlets}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
