@@ -99,7 +99,8 @@ def at_rest():
         runs.check("within the error" in line and "%" not in line, f"a tank at rest, {name}: its residual", line)
 
 
-PARTS = {"solids": solids, "at_rest": at_rest, "periodic": periodic, "emitters": emitters, "gas": gas, "outlets": outlets}
+PARTS = {"solids": solids, "at_rest": at_rest, "periodic": periodic, "emitters": emitters, "gas": gas,
+         "outlets": outlets}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
