@@ -111,6 +111,12 @@ void OperatorsDepths(Cloud cloud, PetscReal depth[]);
    to the faces of walls. viscosity: whether the liquid slips there. No effect in scenes without varying viscosity
    (SceneViscosityVaries), which do not have the field. Collective. */
 PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosity);
+/* OperatorsVelocityGradient - L ([n_fluid][9], 1/s): L_ij = d v_i/dx_j of FIELD_VELOCITY, the same fit; of rings L_zz
+   is v_r/r. Collective. OperatorsWallFraction - of the way from fluid particle a to dummy particle b: the part in front
+   of the wall's face, at which that fit has the wall's velocity. a counts as WALL_CLOSEST from the face at least, as in
+   the wall's friction. depth: of OperatorsDepths. Not collective. */
+PetscErrorCode OperatorsVelocityGradient(Cloud cloud, const Viscosity *viscosity, PetscReal L[]);
+PetscReal      OperatorsWallFraction(Cloud cloud, PetscInt a, PetscInt b, const PetscReal depth[]);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. With
    the rest density, pairs weigh more where neighbours are missing (FIELD_DENSITY of owned particles and ghosts), so
    that thin sheets have their full viscosity. Walls have their own velocity and the viscosity of their neighbour. A

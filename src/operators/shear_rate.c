@@ -12,13 +12,12 @@ void OperatorsDepths(Cloud cloud, PetscReal depth[])
                  : 0;
 }
 
-/* The fraction of the distance from the fluid particle at x to dummy particle b in front of the wall's face. The fluid
-   particle is at least WALL_CLOSEST from the face, as in the wall's friction. */
-static PetscReal FractionInFront(Cloud cloud, const PetscReal x[DIM], PetscInt b, const PetscReal depth[])
+PetscReal OperatorsWallFraction(Cloud cloud, PetscInt a, PetscInt b, const PetscReal depth[])
 {
   const Domain     domain = cloud->domain;
-  const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * b, closest = WALL_CLOSEST * domain->spacing;
-  PetscReal        fraction = 1;
+  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *y = cloud->field[FIELD_POSITION] + DIM * b,
+                  closest = WALL_CLOSEST * domain->spacing * cloud->size[a];
+  PetscReal fraction      = 1;
 
   if (cloud->integer[INT_BODY][b] <= BODY_SOLID) {
     const PetscReal distance = PetscMax(closest, SceneSolidDistance(cloud->scene, x, NULL));
@@ -56,7 +55,7 @@ static void FindFitPoints(Cloud cloud, const Viscosity *viscosity, PetscInt a, c
     const PetscInt   b        = row->index[k];
     const PetscReal *y        = cloud->field[FIELD_POSITION] + DIM * b;
     const PetscBool  wall     = (PetscBool)(viscosity->no_slip && cloud->integer[INT_LAYER][b]);
-    const PetscReal  fraction = wall ? FractionInFront(cloud, x, b, depth) : 1;
+    const PetscReal  fraction = wall ? OperatorsWallFraction(cloud, a, b, depth) : 1;
 
     row->f[k] *= scale;
     for (PetscInt i = 0; i < DIM; i++) {
@@ -70,7 +69,8 @@ static void FindFitPoints(Cloud cloud, const Viscosity *viscosity, PetscInt a, c
 
 /* The velocity gradient L_ij (1/s) of fluid particle a, a least squares fit. It is exact for a linear velocity. Next to
    a wall it is exact for a velocity quadratic in the distance from the wall: there the shear rate is largest, and all
-   neighbours of the first layer lie to one side. With too few neighbours the fit has no correction, and L is small. */
+   neighbours of the first layer lie to one side. With too few neighbours the fit has no correction, and L is small.
+   A ring also grows at the rate v_r/r; on the axis this is the slope of v_r. */
 static void FitGradient(Cloud cloud, PetscInt a, const FitPoints *points, PetscReal L[DIM][DIM])
 {
   const PetscReal *v           = cloud->field[FIELD_VELOCITY] + DIM * a;
@@ -102,17 +102,20 @@ static void FitGradient(Cloud cloud, PetscInt a, const FitPoints *points, PetscR
       for (PetscInt j = 0; j < DIM; j++) G[i][j] -= curve * cross[j];
     TensorApply(B, G[i][0], G[i][1], G[i][2], L[i]);
   }
+  if (cloud->domain->rings) {
+    const PetscReal r = cloud->field[FIELD_POSITION][DIM * a];
+
+    L[2][2] = r > cloud->domain->spacing * cloud->size[a] ? v[0] / r : L[0][0];
+  }
 }
 
-/* The shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. A ring also grows at the rate v_r/r; on the axis this is
-   the slope of v_r. */
-static PetscReal ShearRate(Domain domain, const PetscReal x[DIM], const PetscReal v[DIM], const PetscReal L[DIM][DIM])
+/* The shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. */
+static PetscReal ShearRate(const PetscReal L[DIM][DIM])
 {
-  const PetscReal hoop = !domain->rings ? 0 : x[0] > domain->spacing ? v[0] / x[0] : L[0][0];
-  PetscReal       sum  = 2 * hoop * hoop;
+  PetscReal sum = 0;
 
-  for (PetscInt i = 0; i < domain->dim; i++)
-    for (PetscInt j = 0; j < domain->dim; j++) sum += 0.5 * PetscSqr(L[i][j] + L[j][i]);
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) sum += 0.5 * PetscSqr(L[i][j] + L[j][i]);
   return PetscSqrtReal(sum);
 }
 
@@ -135,11 +138,27 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
     if (body < 0 || !BodyViscosityVaries(SceneBody(cloud->scene, body))) continue;
     FindFitPoints(cloud, viscosity, a, depth, cloud->domain->volume * scale_f, &points);
     FitGradient(cloud, a, &points, L);
-    *mu = BodyViscosity(SceneBody(cloud->scene, body), ShearRate(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a,
-                                                                 cloud->field[FIELD_VELOCITY] + DIM * a, L));
+    *mu = BodyViscosity(SceneBody(cloud->scene, body), ShearRate(L));
   }
   PetscCall(CloudRestoreWork(cloud, &depth));
   PetscCall(CloudUpdate(cloud, FIELD_VISCOSITY));
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_VISCOSITY), 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OperatorsVelocityGradient(Cloud cloud, const Viscosity *viscosity, PetscReal L[])
+{
+  PetscReal *depth, scale_w, scale_f, inverse_h2;
+  FitPoints  points;
+
+  PetscFunctionBegin;
+  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
+  PetscCall(CloudGetWork(cloud, 1, &depth));
+  OperatorsDepths(cloud, depth);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    FindFitPoints(cloud, viscosity, a, depth, cloud->domain->volume * scale_f, &points);
+    FitGradient(cloud, a, &points, (PetscReal(*)[DIM])(L + DIM * DIM * a));
+  }
+  PetscCall(CloudRestoreWork(cloud, &depth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

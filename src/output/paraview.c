@@ -16,14 +16,20 @@ static void XdmfItem(FILE *file, const SnapshotEntry *entry, const char name[], 
   SnapshotName(entry->index, source);
   fprintf(file,
           "        <DataItem Dimensions=\"%d%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">%s:/%s</DataItem>\n",
-          (int)entry->n, width > 1 ? " 3" : "", number, (int)precision, source, name);
+          (int)entry->n,
+          width > DIM ? " 6"
+          : width > 1 ? " 3"
+                      : "",
+          number, (int)precision, source, name);
 }
 
 static void XdmfAttribute(FILE *file, const SnapshotEntry *entry, const char name[], PetscInt width,
                           const char number[], PetscInt precision)
 {
   fprintf(file, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", name,
-          width > 1 ? "Vector" : "Scalar");
+          width > DIM ? "Matrix"
+          : width > 1 ? "Vector"
+                      : "Scalar");
   XdmfItem(file, entry, name, width, number, precision);
   fprintf(file, "      </Attribute>\n");
 }

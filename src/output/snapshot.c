@@ -2,8 +2,9 @@
 #include "output_impl.h"
 #include <unistd.h>
 
-#define FILE_HEAD 40000 /* bytes of a snapshot besides its fields */
-#define DEFLATED  0.5   /* share of the fields that compression leaves; 0.5 to 0.6 of runs that have begun */
+#define SNAPSHOT_WIDEST 6     /* most numbers of a field, those of a tensor */
+#define FILE_HEAD       40000 /* bytes of a snapshot besides its fields */
+#define DEFLATED        0.5   /* share of the fields that compression leaves; 0.5 to 0.6 of runs that have begun */
 
 static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
 {
@@ -163,13 +164,12 @@ static PetscErrorCode WriteFields(Output output, const ParticleArrays *arrays, c
   double *values;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(3 * rows->n + 1, &values));
+  PetscCall(PetscMalloc1(SNAPSHOT_WIDEST * rows->n + 1, &values));
   for (PetscInt f = 0; f < SNAPSHOT_FIELDS; f++) {
     const SnapshotField field = SnapshotFieldAt(f);
     const hid_t         real  = output->content.precise ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
 
     if (!(output->content.fields & 1U << f)) continue;
-    PetscCheck(field.width <= 3, output->comm, PETSC_ERR_PLIB, "A field of a snapshot has at most three numbers");
     rows->width = field.width;
     Pack(output, arrays, particle, rows->n, f, values);
     PetscCall(H5FileWrite(h5, field.column.name, field.integer < 0 ? real : H5FILE_INT, rows, values,

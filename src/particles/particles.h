@@ -48,6 +48,8 @@ typedef enum {
   X(TEMPERATURE, "temperature", 1, PARITY_SCALAR, CARRY_SCALAR, "K", "temperature; stored with -<body>_temperature")   \
   X(CONCENTRATION, "concentration", 1, PARITY_SCALAR, CARRY_SCALAR, "1",                                               \
     "concentration; stored with -<body>_concentration or -<body>_diffusivity")                                         \
+  X(STRETCH, "stretch", 6, PARITY_TENSOR, CARRY_MEAN, "1",                                                             \
+    "conformation of polymers less that at rest, xx yy zz xy xz yz; stored with -<body>_polymer_modulus")              \
   X(LINE, "line_capillary_number", 1, PARITY_SCALAR, CARRY_MEAN, "1",                                                  \
     "mu U/sigma of the contact line nearby, positive if it advances; stored with -wall_contact_law")
 

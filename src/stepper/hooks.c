@@ -2,10 +2,11 @@
 #include "stepper_impl.h"
 #include <string.h>
 
-extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, HeatEdge, DependEdge, EmitterEdge, ResamplingEdge,
-  GasEdge, OpeningEdge, OutletEdge;
-const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,     &ContactEdge, &FreeEdge,    &HeatEdge,   &DependEdge,
-                                 &EmitterEdge,   &ResamplingEdge, &GasEdge,     &OpeningEdge, &OutletEdge, NULL};
+extern const Edge InterfaceEdge, MovingEdge, ContactEdge, FreeEdge, HeatEdge, DependEdge, ElasticEdge, EmitterEdge,
+  ResamplingEdge, GasEdge, OpeningEdge, OutletEdge;
+const Edge *const StepEdges[] = {&InterfaceEdge, &MovingEdge,  &ContactEdge, &FreeEdge,       &HeatEdge,
+                                 &DependEdge,    &ElasticEdge, &EmitterEdge, &ResamplingEdge, &GasEdge,
+                                 &OpeningEdge,   &OutletEdge,  NULL};
 
 PetscErrorCode StepperProperties(Domain domain)
 {

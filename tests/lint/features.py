@@ -32,6 +32,7 @@ FEATURES = {
                       r"|LinesMove|LineOps|TensionLines|TensionHasLaw|TensionSolidsWet|\w*MovingLine\w*", 4),
     "gas": (("gas/",), r"Gas[A-Z]\w*|GaugePockets|Pockets?|GAS_\w+", 1),
     "heat": (("heat/",), r"Heat[A-Z]\w*|HEAT\w*|GaugeScalars", 1),
+    "elastic": (("elastic/",), r"Elastic[A-Z]\w*|Polymers\w*|GaugeElastic", 1),
     "outlets": (("outlets/",), r"Outlet[A-Z]\w*|OUTLET\w*", 1),
     "interface": (("interface/",), r"Interface[A-Z]\w*|\w+Interface|interface_\w+", 2),
     "pressure jumps": (("neighbors/", "pressure/"),

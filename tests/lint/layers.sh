@@ -6,7 +6,7 @@ cd "${LINT_ROOT:-$(dirname "$0")/../..}" || exit 1
 declare -A floor=(
   [base]=0 [twolevel]=1 [solver]=1 [kernel]=1 [domain]=1 [scene]=1 [storage]=1 [particles]=2 [neighbors]=3 [operators]=4
   [tension]=5 [pressure]=5 [stepper]=6 [spectrum]=6 [gauges]=7 [bodies]=8 [lines]=8 [gas]=8 [heat]=8 [outlets]=8
-  [resampling]=8 [following]=8 [interface]=8 [output]=8 [packing]=9 [emitters]=10 [sim]=11
+  [elastic]=8 [resampling]=8 [following]=8 [interface]=8 [output]=8 [packing]=9 [emitters]=10 [sim]=11
 )
 allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 # The headers a folder shows to the others; what it has besides is its own.

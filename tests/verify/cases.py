@@ -89,6 +89,15 @@ for model, numbers in MODELS.items():
     numbers = "-liquid_viscosity_model " + numbers
     ENTRIES += [Entry("poiseuille", model, numbers, TEST if "0.5" in model else SHORT, file="models.opts"),
                 Entry("poiseuille", model + ", pipe", numbers, file="models_rings.opts")]
+# polymers
+MODELS = {"oldroyd_b": "", "giesekus": " -liquid_polymer_mobility 0.2", "fene_p": " -liquid_polymer_extensibility 100"}
+ENTRIES += [Entry("elastic_channel", size=TEST), Entry("elastic_channel", "40 spacings", "-spacing 2.5e-5")]
+ENTRIES += [Entry("elastic_channel", f"{model}, Wi 3", f"-liquid_polymer_model {model}{numbers} "
+                  "-box_ymax_velocity 0.3,0 -liquid_strain_rate 0,300,0,0", TEST if model == "fene_p" else SHORT,
+                  file="shear.opts")
+            for model, numbers in MODELS.items()]
+ENTRIES += [Entry("elastic_thread", "small wave", "-thread_wave_amplitude 0.02e-3 -time_end 0.04", TEST),
+            Entry("elastic_thread", size=TEST)]
 ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads"),
             Entry("squeeze_film"), Entry("shear_under_gravity", size=TEST),
             Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST)]
