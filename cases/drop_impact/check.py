@@ -75,25 +75,6 @@ def secondary(folder):
     return results
 
 
-def mean_crown(folder):
-    """The crown's height as its mean over the azimuth, in sectors of 6 degrees: largest value (m) and its time (s). The
-    highest point is a finger's, which an axisymmetric reference has not."""
-    largest = np.nan, np.nan
-    for t, head, f in physics.snapshots(folder):
-        if not compare.CROWN_SPAN[0] <= t <= compare.CROWN_SPAN[1]:
-            continue
-        spacing = float(head["spacing"])
-        x, size = physics.upright(head, f), physics.sizes(head, f)
-        x, size = x[x[:, 2] > -1e-3], size[x[:, 2] > -1e-3]
-        here = (physics.components(x, 1.25 * spacing, size) == 0) & (np.hypot(x[:, 0], x[:, 1]) > 2.2e-3)
-        x, top = x[here], x[here, 2] + size[here] * spacing / 2
-        sector = np.floor(np.degrees(np.arctan2(x[:, 1], x[:, 0])) / 6).astype(int)
-        tops = [top[sector == k].max() for k in np.unique(sector)]
-        if tops and not np.mean(tops) <= largest[0]:
-            largest = np.mean(tops), t
-    return largest
-
-
 def check(folder):
     series = rundata.read_series(folder)
     speed = rundata.reference_speed(folder)
@@ -129,7 +110,7 @@ def check(folder):
     crown, crown_time = compare.maximum(series, "crown_height", *compare.CROWN_SPAN)
     finest = rundata.read_reference(speed, "_fine")
     wanted = compare.maximum(finest, "crown_height", *compare.CROWN_SPAN)
-    mean = mean_crown(folder)
+    mean = compare.maximum(series, "crown_mean", *compare.CROWN_SPAN)
     results += [judge("H, largest", crown, wanted[0], 0.15, "mm", 1e-3),
                 physics.shown("time of the largest H", 1e3 * crown_time, 1e3 * wanted[1], "ms"),
                 physics.shown("H, mean over the azimuth, largest", 1e3 * mean[0], 1e3 * wanted[0], "mm"),

@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 """Compares a run of the drop impact with the reference: crater, crown, kinetic energy and jet, deviations in percent.
+The crown is the mean over the azimuth, beside the reference with the finest cells; the jet is beside the reference
+whose pool has the area of the run's.
 
     compare.py RUN_FOLDER [--json]
 """
@@ -71,7 +73,7 @@ def quantities(table):
     depth, depth_time = maximum(table, "crater_depth", CONTACT, math.inf)
     rows += [("D max", MILLI, depth), ("time of D max", SECONDS, depth_time)]
     rows += [(f"phi at {t * 1e3:g} ms", MILLI, at(table, "crater_diameter", t)) for t in CRATER_TIMES]
-    crown, crown_time = maximum(table, "crown_height", *CROWN_SPAN)
+    crown, crown_time = maximum(table, "crown_mean" if "crown_mean" in table else "crown_height", *CROWN_SPAN)
     rows += [("H max", MILLI, crown), ("time of H max", SECONDS, crown_time)]
     rows += [(f"E kin at {t * 1e3:g} ms", MICRO, at(table, "kinetic_energy", t)) for t in ENERGY_TIMES]
     rise = jet_rise(table)
@@ -82,22 +84,29 @@ def quantities(table):
     return rows
 
 
+def expected(folder, speed):
+    """What the references say of the same."""
+    kinds = {"H": "_fine", "time of H": "_fine", "jet": rundata.pool(folder)}  # the first words of a name; others: ""
+    tables = {kind: quantities(rundata.read_reference(speed, kind)) for kind in {"", *kinds.values()}}
+    return [tables[next((kind for word, kind in kinds.items() if name.startswith(word)), "")][k]
+            for k, (name, _, _) in enumerate(tables[""])]
+
+
 def deviation(run, reference):
     """In percent; NaN where it says nothing."""
     return 100 * (run - reference) / abs(reference) if reference else math.nan
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", metavar="RUN_FOLDER", help="the folder of a run, with its series.csv")
     parser.add_argument("--json", action="store_true", help="print JSON, SI units, null where there is no value")
     arguments = parser.parse_args()
 
     series = rundata.read_series(arguments.folder)
     speed = rundata.reference_speed(arguments.folder)
-    reference = rundata.read_reference(speed)
     rows = [(name, unit, run, wanted, deviation(run, wanted))
-            for (name, unit, run), (_, _, wanted) in zip(quantities(series), quantities(reference))]
+            for (name, unit, run), (_, _, wanted) in zip(quantities(series), expected(arguments.folder, speed))]
     if arguments.json:
         plain = [dict(name=name, unit="J" if unit is MICRO else {"mm": "m", "ms": "s"}.get(unit[1], unit[1]),
                       run=None if math.isnan(run) else run, reference=None if math.isnan(wanted) else wanted,
@@ -118,7 +127,7 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except rundata.RunError as error:
+    except rundata.Error as error:
         sys.exit(f"compare.py: {error}")
     except BrokenPipeError:
         sys.exit(1)

@@ -61,14 +61,14 @@ def read_snapshot(path, mirrors, quarter):
         corners = [np.ravel(file.attrs[name]) for name in ("box_lower", "box_upper")]
         if "axisymmetric" in file.attrs and first(file.attrs["axisymmetric"]):
             if "volume" not in file:
-                raise rundata.RunError(f"{path} holds no volume of its rings (-snapshot_fields).")
+                raise rundata.Error(f"{path} holds no volume of its rings (-snapshot_fields).")
             share, size = shares(file, body >= 0, points[body >= 0, 0], True, spacing)
             return rings(points[body >= 0], share, size, 1 - first_part(file, body, body >= 0), spacing, corners, level)
         liquid = (body >= 0) & np.all(np.isfinite(points), axis=1)
         share, size = shares(file, liquid, points[liquid, 0], False, spacing)
         drop = 1 - first_part(file, body, liquid)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise rundata.RunError(f"{path} is not of a run in three dimensions.")
+        raise rundata.Error(f"{path} is not of a run in three dimensions.")
     points = points[liquid]
     lower, upper = (np.array(corner, float) for corner in corners)
     for axis, side in enumerate(("xmin", "ymin")):
@@ -115,7 +115,7 @@ def moment(mirrors, quarter, file):
 def figure_1(folder, times, quarter, path):
     found = snapshots(folder)
     if not found:
-        raise rundata.RunError(f"{folder} holds no readable snapshot_*.h5.")
+        raise rundata.Error(f"{folder} holds no readable snapshot_*.h5.")
     faces, chosen = rundata.read_scene(folder)["domain"]["faces"], choose(found, times)
     mirrors = [face["name"] for face in faces if face["type"] == "symmetry"]
     rows = len(chosen)
@@ -209,10 +209,10 @@ def main():
     arguments = parser.parse_args()
     for folder in arguments.folders:
         if not os.path.isdir(folder):
-            raise rundata.RunError(f"{folder} is not a folder.")
+            raise rundata.Error(f"{folder} is not a folder.")
     labels = arguments.labels or [os.path.basename(os.path.abspath(folder)) for folder in arguments.folders]
     if len(labels) != len(arguments.folders):
-        raise rundata.RunError(f"{len(arguments.folders)} runs have {len(labels)} --labels.")
+        raise rundata.Error(f"{len(arguments.folders)} runs have {len(labels)} --labels.")
     output = os.path.join(arguments.folders[0], "figures")
     os.makedirs(output, exist_ok=True)
     times = [1e-3 * t for t in arguments.times] if arguments.times else None

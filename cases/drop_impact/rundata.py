@@ -17,6 +17,14 @@ def read_reference(speed, kind=""):
     return {"time": []} if speed is None else read_table(os.path.join(HERE, REFERENCES[speed] + kind + ".csv"))
 
 
+def pool(folder):
+    """The kind of reference whose pool is nearest to that of a run in area: "_box", of 22.5 mm radius, or "", of 40."""
+    domain = read_scene(folder)["domain"]
+    half = [max(abs(low), abs(high)) for low, high in zip(domain["lower"], domain["upper"])]  # m, from the axis
+    radius = half[0] if len(half) < 3 else 2 * math.sqrt(half[0] * half[1] / math.pi)
+    return "_box" if radius < 31e-3 else ""
+
+
 def impact_speed(scene):
     """Speed (m/s) at which the drop of a run reaches the level z = 0; NaN if the scene has no drop."""
     drop = next((body for body in scene["bodies"]

@@ -5,8 +5,11 @@
    the sky. Voids, overhanging crowns and spray thus do not count. The depth is the mean over the few lowest patches of
    two by two columns.
 
+   Crown: its highest point is a finger's. Its mean over the azimuth, of the highest liquid of each sector, is what an
+   axisymmetric computation has.
+
    Diameter of the crater: liquid fills a fraction of each ring around the axis, in the layer of one spacing below the
-   level. The crater's wall is the first filled ring outside the first gap.
+   level; a particle fills a square of its own size. The crater's wall is the first filled ring outside the first gap.
 
    tests/unit/test_gauges.c measures shapes cut out of a lattice. With the constants below, depth and diameter of a bowl
    are right to 0.6 spacings, even if particles are displaced by a quarter of a spacing. */
@@ -20,11 +23,13 @@
 #define GAP        6   /* rings without liquid that make a crater: three spacings, wider than holes between particles */
 #define MARGIN     4   /* rings on each side of the wall that average its roughness */
 #define RINGS_MOST ((PetscInt)1 << 21) /* bounds the memory */
-#define SKIRT      2.0                 /* jet radii: the level is measured farther from the axis than this */
+#define AZIMUTH    60  /* sectors in which the crown's mean takes the highest liquid: 1 mm of a crown of 20 mm */
+#define SKIRT      2.0 /* jet radii: the level is measured farther from the axis than this */
 
 /* The columns. Heights count from the level, along the last direction of the scene; NAN: nothing to measure. */
 typedef enum {
   CROWN,    /* highest liquid connected with the pool, outside the jet radius */
+  MEAN,     /* the same, mean over the sectors of the azimuth */
   DEPTH,    /* lowest free surface below the open sky, inside the crater radius; positive downwards */
   DIAMETER, /* twice the mean radius at which the crater's wall crosses the level; 0: no crater */
   JET,      /* highest liquid connected with the pool, inside the jet radius; negative in a crater */
@@ -52,6 +57,7 @@ static inline void FromAxis(Gauges gauges, const Crater *crater, const PetscReal
 typedef struct {
   PetscReal radius, height;    /* m: distance from the axis; height of the highest fine particle */
   PetscReal count;             /* fine particles in one layer; of a ring, cross-section over V_0 */
+  PetscReal size;              /* over the finest spacing */
   PetscInt  first[2], last[2]; /* columns that the particle covers */
   PetscInt  layer;             /* of its cell */
 } PoolParticle;
@@ -79,6 +85,7 @@ static PetscErrorCode ListPool(Gauges gauges, const Crater *crater, const Partic
     (*pool)[(*n)++] = (PoolParticle){.radius = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]),
                                      .height = x[up] + 0.5 * (size - 1) * domain->spacing,
                                      .count  = ParticleSumVolume(domain, arrays, a) / (size * domain->volume),
+                                     .size   = size,
                                      .first  = {first[0], first[1]},
                                      .last   = {last[0], last[1]},
                                      .layer  = index[2]};
@@ -279,10 +286,14 @@ static PetscErrorCode CraterDiameter(Gauges gauges, const Crater *crater, PetscI
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(rings, &fraction));
   for (PetscInt a = 0; a < n; a++) {
-    const PetscInt ring = pool[a].radius < rings * w ? (PetscInt)(pool[a].radius / w) : rings;
+    const PetscReal side = pool[a].size * d0, top = pool[a].height + 0.5 * d0 - gauges->level; /* m */
+    const PetscReal inner = PetscMax(pool[a].radius - 0.5 * side, 0), outer = pool[a].radius + 0.5 * side;
+    const PetscReal deep  = PetscMax(0, PetscMin(top, 0) - PetscMax(top - side, -d0)); /* of the layer */
+    const PetscReal share = pool[a].count * deep / (d0 * (outer - inner));
+    const PetscInt  last  = (PetscInt)PetscMin(outer / w, rings - 1);
 
-    if (ring < rings && PetscAbsReal(pool[a].height - gauges->level + 0.5 * d0) <= 0.5 * d0)
-      fraction[ring] += pool[a].count;
+    for (PetscInt k = (PetscInt)(inner / w); k <= last && share > 0; k++)
+      fraction[k] += share * (PetscMin(outer, (k + 1) * w) - PetscMax(inner, k * w));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, fraction, (PetscMPIInt)rings, MPIU_REAL, MPI_SUM, gauges->comm));
   for (PetscInt k = 0; k < rings; k++) fraction[k] /= full * RingArea(domain->dim, k * w, (k + 1) * w);
@@ -295,34 +306,46 @@ static PetscErrorCode CraterDiameter(Gauges gauges, const Crater *crater, PetscI
 /* Heights of crown and jet: the highest particles connected with the pool. */
 static PetscErrorCode CrownAndJet(Gauges gauges, const Crater *crater, PetscReal values[])
 {
-  const Cloud      cloud  = gauges->cloud;
-  const PetscReal *x      = cloud->field[FIELD_POSITION];
-  PetscReal        top[2] = {-PETSC_MAX_REAL, -PETSC_MAX_REAL}; /* crown, jet */
+  const Cloud      cloud = gauges->cloud;
+  const PetscReal *x     = cloud->field[FIELD_POSITION];
+  PetscReal        top[AZIMUTH + 1], sum = 0; /* of the sectors and the jet */
+  PetscInt         sectors = 0;
   PetscBool       *connected;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k <= AZIMUTH; k++) top[k] = -PETSC_MAX_REAL;
   PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
   PetscCall(ConnectedWithBody(gauges, crater->pool, connected));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal r[2];
-    PetscInt  jet;
+    PetscInt  k = AZIMUTH;
 
     if (!connected[a]) continue;
     FromAxis(gauges, crater, x + DIM * a, r);
-    jet = r[0] * r[0] + r[1] * r[1] <= PetscSqr(crater->jet_radius);
-    top[jet] =
-      PetscMax(top[jet], x[DIM * a + cloud->domain->dim - 1] + 0.5 * (cloud->size[a] - 1) * cloud->domain->spacing);
+    if (r[0] * r[0] + r[1] * r[1] > PetscSqr(crater->jet_radius))
+      k = (PetscInt)(AZIMUTH * (0.5 + PetscAtan2Real(r[1], r[0]) / (2 * PETSC_PI))) % AZIMUTH;
+    top[k] =
+      PetscMax(top[k], x[DIM * a + cloud->domain->dim - 1] + 0.5 * (cloud->size[a] - 1) * cloud->domain->spacing);
   }
   PetscCall(PetscFree(connected));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, 2, MPIU_REAL, MPIU_MAX, gauges->comm));
-  values[CROWN] = HeightOverLevel(gauges, top[0]);
-  values[JET]   = HeightOverLevel(gauges, top[1]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, top, AZIMUTH + 1, MPIU_REAL, MPIU_MAX, gauges->comm));
+  values[JET]   = HeightOverLevel(gauges, top[AZIMUTH]);
+  values[CROWN] = HeightOverLevel(gauges, -PETSC_MAX_REAL);
+  for (PetscInt k = 0; k < AZIMUTH; k++) {
+    const PetscReal height = HeightOverLevel(gauges, top[k]);
+
+    if (PetscIsNanReal(height)) continue;
+    values[CROWN] = sectors++ ? PetscMax(values[CROWN], height) : height;
+    sum += height;
+  }
+  values[MEAN] = sectors ? sum / sectors : values[CROWN];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Columns_Crater(Gauges gauges, const void *data, ColumnList *list)
 {
-  static const char *const names[QUANTITIES] = {"crown_height", "crater_depth", "crater_diameter", "jet_height"};
+  static const char *const names[QUANTITIES] = {"crown_height", "crown_mean", "crater_depth", "crater_diameter",
+                                                "jet_height"};
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < QUANTITIES && ((const Crater *)data)->wanted; k++)

@@ -101,7 +101,7 @@ static const Case cases[] = {
 static PetscErrorCode CheckGauges(const Case *c)
 {
   Run         run;
-  PetscReal   g[4]; /* crown, depth, diameter, jet */
+  PetscReal   g[5]; /* crown and its mean, depth, diameter, jet */
   GaugeTotals totals;
   char        name[128];
   double      start;
@@ -118,14 +118,40 @@ static PetscErrorCode CheckGauges(const Case *c)
     (void)snprintf(name, sizeof(name), "gauges %s: %s", c->name, what);                                                \
     if (expected == expected) CHECK_CLOSE((value) / D0, expected, c->tolerance, name);                                 \
   } while (0)
-  CHECK_LENGTH(g[1], c->depth, "depth");
-  CHECK_LENGTH(g[2], c->diameter, "diameter");
+  CHECK_LENGTH(g[2], c->depth, "depth");
+  CHECK_LENGTH(g[3], c->diameter, "diameter");
   CHECK_LENGTH(g[0], c->crown, "crown");
-  CHECK_LENGTH(g[3], c->jet, "jet");
+  CHECK_LENGTH(g[1], c->crown, "crown, mean");
+  CHECK_LENGTH(g[4], c->jet, "jet");
 #undef CHECK_LENGTH
   if (getenv("TEST_VERBOSE"))
-    printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g[1] / D0, g[2] / D0, g[0] / D0,
-           g[3] / D0, totals.highest / D0, (int)totals.particles, totals.kinetic_energy, 1e3 * start);
+    printf("%-15s D %g phi %g H %g jet %g top %g N %d KE %g, %.1f ms\n", c->name, g[2] / D0, g[3] / D0, g[0] / D0,
+           g[4] / D0, totals.highest / D0, (int)totals.particles, totals.kinetic_energy, 1e3 * start);
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Half a crown is half as high in the mean. */
+static PetscErrorCode CheckHalfCrown(void)
+{
+  Run            run;
+  ParticleArrays arrays;
+  PetscReal      g[5];
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(FULL BODIES_3D "-gauge_level 10e-3 ", &run));
+  PetscCall(Fill(&run, Crown, 0));
+  PetscCall(ParticlesOpen(run.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    if (x[1] < 0 && x[2] > FILM) x[2] = 0.5 * FILM;
+  }
+  PetscCall(ParticlesClose(run.particles, &arrays));
+  PetscCall(CloudResync(run.cloud));
+  PetscCall(GaugesMeasure(run.gauges, g));
+  CHECK_CLOSE(g[0] / D0, 10, 0.6, "gauges: half a crown's highest point");
+  CHECK_CLOSE(g[1] / D0, 5, 0.6, "gauges: half a crown's mean");
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -407,6 +433,7 @@ int main(int argc, char **argv)
   PetscCall(CheckPinchOff());
   PetscCall(CheckFlight());
   PetscCall(CheckLabels());
+  PetscCall(CheckHalfCrown());
   PetscCall(CheckCraterOption());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
