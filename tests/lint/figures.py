@@ -64,6 +64,10 @@ def speed(ranks, column):
     return lambda: look_up(BENCH, ("1102944", "splash", ranks), column)
 
 
+def slow(column):
+    return lambda: look_up(BENCH, ("floating_box",), column)
+
+
 def preconditioner(name, part):
     return lambda: look_up(BENCH, (name,), "splash: us, iterations", part)
 
@@ -106,6 +110,7 @@ QUOTED = [
      [speed("2", "us a particle and step"), speed("2", "iterations")]),
     ("README.md", r"jacobi`[^|]*\| ([\d.]+) \| ([\d.]+)", [preconditioner("jacobi", 0), preconditioner("jacobi", 1)]),
     ("README.md", r"gamg`[^|]*\| ([\d.]+) \| ([\d.]+)", [preconditioner("gamg", 0), preconditioner("gamg", 1)]),
+    ("README.md", r"a slow scene, [^|]*: (\d+) steps, ([\d.]+) s", [slow("steps"), slow("processor time")]),
     ("options/accurate.opts", r"Taylor-Green error ([\d.]+) times at ([\d.]+) times the CPU time",
      [choice("preset `accurate`", VORTICES, 0), choice("preset `accurate`", VORTICES, 1)]),
     ("options/accurate.opts", r"drop impact at 0\.7 mm ([\d.]+) times the error at ([\d.]+) times the time",
