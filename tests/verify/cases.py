@@ -100,7 +100,8 @@ ENTRIES += [Entry("elastic_thread", "small wave", "-thread_wave_amplitude 0.02e-
             Entry("elastic_thread", size=TEST)]
 ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads"),
             Entry("squeeze_film"), Entry("shear_under_gravity", size=TEST),
-            Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST)]
+            Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST),
+            Entry("heated_cavity"), Entry("marangoni_drop")]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
@@ -281,7 +282,7 @@ GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
 DEFAULT_ONLY = {"my_liquid", "film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "shear_under_gravity",
-                "stokes_second", "column", "turning_box",
+                "stokes_second", "column", "turning_box", "heated_cavity", "marangoni_drop",
                 "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
                 "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",
                 "boat_at_wall", "bursting_bubble", "slot_jet"}

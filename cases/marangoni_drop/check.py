@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""The circulation in a drop in a gradient of temperature, beside the exact one. check.py RUN_FOLDER"""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
+import numpy as np  # noqa: E402
+import physics  # noqa: E402
+
+MU, PULL, RADIUS, STEADY = 0.05, 0.45, 1e-3, 7e-3  # Pa s, |dsigma/dT| dT/dz (N/m2), m, s
+SPEED = PULL * RADIUS / (3 * MU)  # m/s, at the centre
+
+
+def exact(x, z):
+    """Stokes flow in a sphere whose surface the stress PULL sin(theta) draws: the vortex of Hill. Its shear stress at
+    the surface is 3 mu SPEED/R sin(theta), and its normal stress is that of the tension sigma(T) kappa: the drop stays
+    round and at its place."""
+    r = np.hypot(x, z)
+    c, s, q = z / r, x / r, (r / RADIUS)**2
+    across, along = SPEED * (1 - q) * c, -SPEED * (1 - 2 * q) * s
+    return np.stack([across * s + along * c, across * c - along * s], axis=1)
+
+
+def check(folder):
+    shares = []
+    for time, _, f in physics.snapshots(folder):
+        if time < STEADY:
+            continue
+        x, v, weight = f["position"][:, :2], f["velocity"][:, :2], f["volume"].reshape(-1, 1)
+        mean = (weight * v).sum(axis=0) / weight.sum()
+        middle = (weight * x).sum(axis=0)[1] / weight.sum()
+        u = exact(x[:, 0], x[:, 1] - middle)
+        shares.append((weight * (v - [0, mean[1]]) * u).sum() / (weight * u**2).sum())
+    return [physics.relative("circulation over the exact one", np.mean(shares), 1, 0.05)]
+
+
+if __name__ == "__main__":
+    physics.main(check)
