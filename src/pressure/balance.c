@@ -15,14 +15,23 @@
    Fatehi and Manzari (2011) make a Laplacian second order, for the part of the pressure that S knows.
 
    S = w f, f the body force at the particle. Each particle keeps the share of f that the pressure carried in its last
-   step, -a.f/f2, a the acceleration by pressure, cut off below NONE and above ALL: liquid that rests or flows slowly
-   has 1, liquid that falls 0, and the noise of both is gone. w is the mean of the kept shares of the liquid around that
-   no emitter holds; what one holds has no share, and its weight is the emitter's to lift.
-   Without the cut S repeats its own noise: an impact rolled a tenth of its steps back. */
+   step, 1 - |f + a|/|f|, a the acceleration by pressure, cut off below NONE and above ALL: liquid that rests or flows
+   slowly has 1, liquid that falls 0, and the noise of both is gone. w is the mean of the kept shares of the liquid
+   around that no emitter holds, cut off again; what one holds has no share, and its weight is the emitter's to lift.
+   Liquid that has w keeps it while the pressure lifts it by more than f, -a.f/f2 > 1, as in a corner. Liquid in flight
+   does not get it there: some of its particles have a = -f by chance where tension or an impact moves it, and with
+   -a.f/f2 alone it would know the frame from which it is seen. Without the first cut S repeats its own noise: an impact
+   rolled a tenth of its steps back. */
 #include "pressure_impl.h"
 
 #define NONE 0.4 /* the share of the force below which nothing is carried */
 #define ALL  0.7 /* above: all of it. Chosen on tanks, waves and impacts: no reference */
+
+/* A share with its noise cut off: 0 below NONE, 1 above ALL. */
+static PetscReal Cut(PetscReal share)
+{
+  return PetscMax(0, PetscMin(1, (share - NONE) / (ALL - NONE)));
+}
 
 /* Makes the table of PressureDepth. */
 void BalanceSetUp(Pressure pressure)
@@ -129,10 +138,15 @@ static PetscErrorCode FindShares(Pressure pressure, PetscReal share[])
   for (PetscInt a = 0; a < cloud->n_owned; a++)
     kept[a] = a < cloud->n_fluid && !PressureHolds(pressure, a) ? cloud->field[FIELD_CARRIED][a] : -1;
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, kept));
-  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = MeanShare(cloud, a, kept);
+  for (PetscInt a = 0; a < cloud->n_owned; a++) share[a] = Cut(MeanShare(cloud, a, kept));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, share));
   PetscCall(CloudRestoreWork(cloud, &kept));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal PressureShare(Pressure pressure, PetscInt a)
+{
+  return pressure->carries ? pressure->loaded[a] / pressure->cloud->rest_density[a] : 0;
 }
 
 PetscErrorCode PressurePredict(Pressure pressure)
@@ -180,14 +194,19 @@ void PressureKeepCarried(Pressure pressure, const PetscReal rest[])
   const Cloud cloud = pressure->cloud;
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal g[DIM], g2, share;
+    PetscReal f[DIM], by[DIM], sum[DIM], size, share = 0;
 
-    SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
-    g2    = Dot(g, g);
-    share = -Dot(g, rest + DIM * a);
-    if (pressure->balances) share += Dot(g, pressure->carried + DIM * a) / cloud->rest_density[a];
-    share                          = g2 > 0 ? (share / g2 - NONE) / (ALL - NONE) : 0;
-    cloud->field[FIELD_CARRIED][a] = PetscMax(0, PetscMin(1, share));
+    SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, f);
+    for (PetscInt d = 0; d < DIM; d++) {
+      by[d] = rest[DIM * a + d];
+      if (pressure->balances) by[d] -= pressure->carried[DIM * a + d] / cloud->rest_density[a];
+      sum[d] = f[d] + by[d];
+    }
+    size = Norm(f);
+    if (size > 0)
+      share =
+        PetscMax(Cut(1 - Norm(sum) / size), PetscMin(PressureShare(pressure, a), Cut(-Dot(f, by) / (size * size))));
+    cloud->field[FIELD_CARRIED][a] = share;
   }
   pressure->balances = PETSC_FALSE;
 }

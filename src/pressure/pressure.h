@@ -100,8 +100,9 @@ PetscBool PressureTakesDivergence(Pressure pressure);
    from FIELD_CARRIED; after a search. PressureTakeCarried - takes its acceleration S from acceleration ([n_fluid][3],
    m/s2). PressureKeepCarried - ends the step: sets FIELD_CARRIED from 'rest', that of PressureAcceleration.
    PressureCarries - whether some liquid of some rank carried a force in the last PressurePredict, which is collective.
- */
+   PressureShare - w (1) of particle a in this step: the share of the force that its pressure is expected to carry. */
 PetscBool      PressureCarries(Pressure pressure);
+PetscReal      PressureShare(Pressure pressure, PetscInt a);
 PetscErrorCode PressurePredict(Pressure pressure);
 void           PressureTakeCarried(Pressure pressure, PetscReal acceleration[]);
 void           PressureKeepCarried(Pressure pressure, const PetscReal rest[]);

@@ -68,14 +68,14 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 {
   Cloud            cloud = pressure->cloud;
   const PetscReal *div   = cloud->field[FIELD_DIVERGENCE];
-  const PetscReal  least = LEAST_STEPS * dt, T = pressure->relaxation_time, *carried = cloud->field[FIELD_CARRIED],
-                  change = pressure->carries ? LOADED - 1 : 0;
+  const PetscReal  least = LEAST_STEPS * dt, T = pressure->relaxation_time;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     rhs[a] =
       -div[a] / dt - PressureDensityDefect(pressure, a) *
-                       (pressure->repair / (dt * PetscMax(cloud->size[a] * T * (1 + change * carried[a]), least)));
+                       (pressure->repair /
+                        (dt * PetscMax(cloud->size[a] * T * (1 + (LOADED - 1) * PressureShare(pressure, a)), least)));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

@@ -52,7 +52,7 @@ static PetscBool IsCalmed(Stepper stepper, PetscInt a)
 {
   const Cloud cloud = stepper->cloud;
 
-  return (PetscBool)(cloud->field[FIELD_CARRIED][a] > 0 && PressureCloses(stepper->pressure, a) &&
+  return (PetscBool)(PressureShare(stepper->pressure, a) > 0 && PressureCloses(stepper->pressure, a) &&
                      !CloudPushes(cloud, a) && cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA);
 }
 
@@ -97,7 +97,7 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
 
     if (!IsCalmed(stepper, a)) continue;
     SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
-    rate  = cloud->field[FIELD_CARRIED][a] * PetscSqrtReal(Norm(g) / (cloud->size[a] * cloud->domain->spacing));
+    rate  = PressureShare(stepper->pressure, a) * PetscSqrtReal(Norm(g) / (cloud->size[a] * cloud->domain->spacing));
     share = 1 - PetscExpReal(-RATE * rate * dt);
     hangs = PetscMin(AT_ONCE, 1 - PetscExpReal(-HANGING * rate * Hangs(cloud, a, g) * dt));
     if (hangs > 0) Rough(cloud, a, lack, rough);

@@ -132,7 +132,7 @@ PetscErrorCode StepProject(Stepper stepper, PetscReal dt, PressureResult *result
    the share of the former pressure that an implicit step kept in it. */
 PetscErrorCode StepKick(Stepper stepper, PetscReal dt, StepTrial *trial);
 /* StepCalm - after StepKick, calms FIELD_VELOCITY_NEW at the surface of liquid whose weight the pressure carries; reads
-   FIELD_VELOCITY_GRADIENT, FIELD_CARRIED. Collective. */
+   FIELD_VELOCITY_GRADIENT. Collective. */
 PetscErrorCode StepCalm(Stepper stepper, PetscReal dt);
 /* StepDriftOn - the second half of the drift: FIELD_POSITION_NEW = from + dt/2 FIELD_VELOCITY_NEW. half_done is false:
    both halves, from + dt/2 (v + FIELD_VELOCITY_NEW), Eq. (10). from: [n_fluid][3], m. */
