@@ -146,7 +146,7 @@ static PetscErrorCode FindShares(Pressure pressure, PetscReal share[])
 
 PetscReal PressureShare(Pressure pressure, PetscInt a)
 {
-  return pressure->carries ? pressure->loaded[a] / pressure->cloud->rest_density[a] : 0;
+  return ShareOf(pressure, a);
 }
 
 PetscErrorCode PressurePredict(Pressure pressure)
@@ -204,8 +204,7 @@ void PressureKeepCarried(Pressure pressure, const PetscReal rest[])
     }
     size = Norm(f);
     if (size > 0)
-      share =
-        PetscMax(Cut(1 - Norm(sum) / size), PetscMin(PressureShare(pressure, a), Cut(-Dot(f, by) / (size * size))));
+      share = PetscMax(Cut(1 - Norm(sum) / size), PetscMin(ShareOf(pressure, a), Cut(-Dot(f, by) / (size * size))));
     cloud->field[FIELD_CARRIED][a] = share;
   }
   pressure->balances = PETSC_FALSE;

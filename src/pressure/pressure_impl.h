@@ -146,6 +146,12 @@ struct _p_Pressure {
   PetscBool rebuild;                      /* rebuild the preconditioner in the next step */
 };
 
+/* PressureShare of particle a. */
+static inline PetscReal ShareOf(Pressure pressure, PetscInt a)
+{
+  return pressure->carries ? pressure->loaded[a] / pressure->cloud->rest_density[a] : 0;
+}
+
 /* The weight of pair k of the cloud's list, in units of weight_scale. */
 static inline PetscReal PairWeight(Pressure pressure, PetscInt64 k)
 {

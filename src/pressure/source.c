@@ -72,10 +72,9 @@ PetscErrorCode SourceDivergence(Pressure pressure, PetscReal dt, PetscReal rhs[]
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
-    rhs[a] =
-      -div[a] / dt - PressureDensityDefect(pressure, a) *
-                       (pressure->repair /
-                        (dt * PetscMax(cloud->size[a] * T * (1 + (LOADED - 1) * PressureShare(pressure, a)), least)));
+    rhs[a] = -div[a] / dt - PressureDensityDefect(pressure, a) *
+                              (pressure->repair /
+                               (dt * PetscMax(cloud->size[a] * T * (1 + (LOADED - 1) * ShareOf(pressure, a)), least)));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_rows; a++) rhs[a] = -div[a] / dt;
   for (PetscInt a = cloud->n_rows; a < cloud->n_owned; a++) {
     const PetscInt r = ParentRow(pressure, a);

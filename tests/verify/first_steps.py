@@ -10,10 +10,10 @@ import runs  # noqa: E402
 
 SCENE = """-options_file cases/drop_impact/case.opts -options_file options/quarter.opts -spacing 1e-3 -time_end 1e-3
  -ksp_rtol 1e-11 -checkpoint_interval 0"""
-FIGURES = {"step": 19, "crater_depth": -2.96800162545e-05, "kinetic_energy": 0.000145684862315,
-           "potential_energy": -0.000862573064895, "surface_energy": 0.000107223564738,
-           "viscous_work": -1.37622180205e-06, "tension_work": 2.06759021497e-06, "density_error": 0.00427762033828,
-           "divergence": 0.000401822167987, "highest": 0.00106052854859, "particles": 4008}
+FIGURES = {"step": 19, "crater_depth": -2.95262443398e-05, "kinetic_energy": 0.000147253077326,
+           "potential_energy": -0.000862567170333, "surface_energy": 0.000107148603152,
+           "viscous_work": -1.40024980461e-06, "tension_work": 2.06120235155e-06, "density_error": 0.00439238073486,
+           "divergence": 0.000405120080089, "highest": 0.00107027883621, "particles": 4008}
 TOLERANCE = 3e-6  # code for any x86-64 processor, without fused operations, differs by up to 5e-7
 
 for ranks in (1, 2):
