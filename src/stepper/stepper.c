@@ -261,6 +261,7 @@ PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length)
   text[0] = 0;
   for (Step step = StepFirst(stepper); *step.edge && !text[0]; StepNext(&step))
     if ((*step.edge)->doubt && StepHas(&step)) PetscCall((*step.edge)->doubt(&step, text, length));
+  if (!text[0]) TimeStepDoubt(stepper, text, length);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -168,8 +168,8 @@ PetscInt StepperUnderresolved(Stepper stepper);
 /* StepperBeside - the pressure (Pa, over that of the open air) at x (m), where no liquid is, after the last step. Not
    collective. */
 PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM]);
-/* StepperDoubt - what an edge says about the last step, in a sentence of at most 'length' bytes; mostly empty.
-   Collective. */
+/* StepperDoubt - what an edge says about the last step, or once that -time_step is far beyond a bound, in a sentence of
+   at most 'length' bytes; mostly empty. Collective. */
 PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length);
 /* StepperBring - adds the liquid that bodies bring up to the state's time, and its energy to the state; gauges NULL:
    not its energy, before the run. resumed: only counts what the run brought before it was continued. Collective.

@@ -87,6 +87,7 @@ struct _p_Stepper {
   PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
   PetscReal          relaxation_step;    /* s; 0: as in the run */
   PetscInt           underresolved;      /* StepperUnderresolved */
+  PetscBool          doubted;            /* -time_step, by TimeStepDoubt */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
@@ -213,10 +214,12 @@ PetscErrorCode ViscousDestroy(Stepper stepper);
 /* --- time_step.c --- */
 
 /* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values; TimeStepView - warns of a
-   step that the user wants longer than what swings allows. Collective. */
+   step that the user wants longer than what swings allows. Collective. TimeStepDoubt - once, a sentence if -time_step is
+   far longer than a bound, else nothing. Not collective. */
 void           TimeStepDefaults(TimeStepLimits *limits);
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
 PetscErrorCode TimeStepView(Stepper stepper, PetscViewer viewer);
+void           TimeStepDoubt(Stepper stepper, char text[], size_t length);
 /* StepSize - chooses the step (s) from the state and the options, and whether its viscosity is implicit. Collective. */
 PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, PetscReal *dt);
 /* StepEdgesBound - the least bound of the step (s) that edges bring, with a spacing 'scale' times as large. Not

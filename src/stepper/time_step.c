@@ -11,6 +11,7 @@
 #define AT_ONCE       0.15 /* of d2/nu, in which pressure keeps up with a creeping flow: squeeze_film */
 #define LAG           4e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
 #define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
+#define UNSTABLE      2    /* times a bound, from which a fixed step is doubted: viscosity's is unstable from 1.6 on */
 #define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
 #define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
 #define MOVED         0.8  /* of -displacement_max, that a particle may move in a step; no reference */
@@ -401,13 +402,29 @@ PetscInt StepperBounds(Stepper stepper, StepBound rows[STEP_BOUNDS])
   for (PetscInt k = 0; k < listed; k++)
     if (all[k].step < PETSC_MAX_REAL) rows[n++] = all[k];
   for (PetscInt k = 1; k < n; k++)
-    if (rows[k].step < rows[0].step || rows[k].step == stepper->limits.fixed) {
+    if (rows[0].step != stepper->limits.fixed &&
+        (rows[k].step < rows[0].step || rows[k].step == stepper->limits.fixed)) {
       const StepBound first = rows[0];
 
       rows[0] = rows[k];
       rows[k] = first;
     }
   return n;
+}
+
+void TimeStepDoubt(Stepper stepper, char text[], size_t length)
+{
+  const PetscReal fixed = stepper->limits.fixed;
+  StepBound       rows[STEP_BOUNDS];
+  const PetscInt  n = StepperBounds(stepper, rows);
+
+  for (PetscInt k = 1; k < n && fixed > 0 && !stepper->doubted; k++) {
+    if (fixed <= UNSTABLE * rows[k].step) continue;
+    (void)snprintf(text, length,
+                   "warning: -time_step %g s is %.3g times what %s allows, %.3g s: the run may be unstable",
+                   (double)fixed, (double)(fixed / rows[k].step), rows[k].cause, (double)rows[k].step);
+    stepper->doubted = PETSC_TRUE;
+  }
 }
 
 void StepperJson(Stepper stepper, PetscBool chosen, Json *json)
