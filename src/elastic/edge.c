@@ -2,7 +2,7 @@
 #include "elastic_impl.h"
 
 /* Of h sqrt(rho w), w of PolymersStiffness: the viscosity of what the fit does not see. Threads hold to four spacings
-   from 0.3 on, to three with 3, but start-up of flow then lags twice as much in time. */
+   from 0.3 on; with 3 the start-up of a flow lags twice as much in time. No reference. */
 #define BALANCE 1
 
 enum { SUM_WORK, SUM_ENERGY, SUMS };
