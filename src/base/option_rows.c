@@ -63,7 +63,10 @@ static void Tell(const OptionRow *row, const void *data, char text[OPTION_TEXT_L
   text[0] = 0;
   switch (row->kind) {
   case ROW_REAL:
-    TellNumbers(1, v, text);
+    if (row->fallback && *v == -PETSC_MAX_REAL) /* not given */
+      (void)snprintf(text, OPTION_TEXT_LENGTH, "%s", row->fallback);
+    else
+      TellNumbers(1, v, text);
     break;
   case ROW_INT:
     (void)snprintf(text, OPTION_TEXT_LENGTH, "%" PetscInt_FMT, *(const PetscInt *)value);

@@ -15,8 +15,8 @@ static const OptionRow of_bodies[] = {
   {"-polymer_model", "How their stress depends on their stretch", NULL, NULL, ROW_WORD, offsetof(Polymers, model),
    .words = Models},
   {"-polymer_mobility", "Mobility factor alpha of giesekus", "1", "[0, 1]", ROW_REAL, offsetof(Polymers, mobility)},
-  {"-polymer_extensibility", "Largest trace of the conformation in fene_p, L^2, larger than 3; 0: not given", "1", "[0, inf)",
-   ROW_REAL, offsetof(Polymers, extent)},
+  {"-polymer_extensibility", "Largest trace of the conformation in fene_p, L^2, larger than 3; 0: not given", "1",
+   "[0, inf)", ROW_REAL, offsetof(Polymers, extent)},
   {.name = NULL},
 };
 

@@ -30,13 +30,13 @@ static const OptionRow warm_side[] = {
 };
 static const OptionRow soluble_side[] = {
   {"-concentration", "Concentration that the liquid has at the wall or solid", "1", "[0, inf)", ROW_REAL,
-   offsetof(Side, value), .fallback = "none passes", .changes = PETSC_TRUE},
+   offsetof(Side, value), .fallback = "none", .changes = PETSC_TRUE},
   {.name = NULL},
 };
 static const OptionRow of_air[] = {
   {"-surface_heat_transfer", "Heat transfer from the free surface to the air", "W/(m2 K)", "[0, inf)", ROW_REAL,
    offsetof(Air, transfer), .changes = PETSC_TRUE},
-  {"-ambient_temperature", "Temperature of that air", "K", "(0, inf)", ROW_REAL, offsetof(Air, ambient),
+  {"-ambient_temperature", "Temperature of that air; 0: not given", "K", "[0, inf)", ROW_REAL, offsetof(Air, ambient),
    .changes = PETSC_TRUE},
   {.name = NULL},
 };

@@ -214,8 +214,8 @@ PetscErrorCode ViscousDestroy(Stepper stepper);
 /* --- time_step.c --- */
 
 /* TimeStepDefaults; TimeStepSetFromOptions - opens its options blocks and refuses bad values; TimeStepView - warns of a
-   step that the user wants longer than what swings allows. Collective. TimeStepDoubt - once, a sentence if -time_step is
-   far longer than a bound, else nothing. Not collective. */
+   step that the user wants longer than what swings allows. Collective. TimeStepDoubt - once, a sentence if -time_step
+   is far longer than a bound, else nothing. Not collective. */
 void           TimeStepDefaults(TimeStepLimits *limits);
 PetscErrorCode TimeStepSetFromOptions(Stepper stepper);
 PetscErrorCode TimeStepView(Stepper stepper, PetscViewer viewer);

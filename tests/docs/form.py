@@ -48,7 +48,7 @@ seen = page("?kind=0", "document.getElementById('field_d').value = 'two'; show()
 runs.check('class="bad"' in seen and '<pre id="text"></pre>' in seen, "a_number_that_is_none", seen[-300:])
 # the rows of the program's options: their unit and meaning, their range, another option
 seen = page("?kind=1")
-runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, (0, inf)' in seen,
+runs.check('>-drop_radius (m)<' in seen and 'title="Radius of a sphere, a cylinder or a thread, (0, inf)' in seen,
            "unit_and_meaning_of_a_row", seen[-300:])
 runs.check('title="Uniform part of the initial velocity' in seen and 'title="Velocity of the solid' not in seen,
            "a_body_is_no_solid", re.findall('title="[^"]*elocity[^"]*"', seen))

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""pip install src/python without a network gives program, library and Python. make deb: the package has what make install
-installs, names the libraries that it needs, and unpacked its program, its Python and its library work; CITATION.cff has
-the program's version. Skipped without dpkg-dev."""
+"""pip install src/python without a network gives program, library and Python. make deb: the package has what make
+install installs, names the libraries that it needs, and unpacked its program, its Python and its library work;
+CITATION.cff has the program's version. Skipped without dpkg-dev."""
 import glob
 import importlib.util
 import os
