@@ -34,6 +34,7 @@ import threading
 import time
 from typing import NamedTuple
 
+import dates
 import mpi
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -146,18 +147,11 @@ def find(rows, folders):
     return jobs
 
 
-def day():
-    """Days from 1970 to the commit; 0: there is none."""
-    date = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%ct"], check=False, stdout=subprocess.PIPE,
-                          stderr=subprocess.DEVNULL, text=True).stdout
-    return int(date or 0) // 86400
-
-
 def with_turns(jobs):
     """The jobs of the sets before `turn`, and of that what has its turn or watches what the last commit changed."""
     turning = sorted((job for job in jobs if job.row.set == "turn"), key=lambda job: -job.row.seconds)
     paths = changed_paths("HEAD~1", must=False)
-    now = [job for k, job in enumerate(turning) if (k + day()) % TURNS == 0 or job.source in paths or
+    now = [job for k, job in enumerate(turning) if (k + dates.day()) % TURNS == 0 or job.source in paths or
            any(path.startswith(w) for w in job.row.watches for path in paths)]
     if len(now) < len(turning):
         print(f"run.py: {len(turning) - len(now)} tests have no turn on this date: make test-long, ONLY run them",

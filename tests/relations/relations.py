@@ -23,10 +23,10 @@ import zlib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), HERE]
+import dates  # noqa: E402
 import kept  # noqa: E402
 import numpy as np  # noqa: E402
 import random_scenes  # noqa: E402
-import run  # noqa: E402
 import runs  # noqa: E402
 import said  # noqa: E402
 from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
@@ -584,7 +584,7 @@ def scenes(first):
 
 def today():
     """The tenth that the date of the commit draws."""
-    return run.day() % TENTHS
+    return dates.day() % TENTHS
 
 
 def of_part(name, part):
