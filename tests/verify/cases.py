@@ -281,7 +281,8 @@ ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
-DEFAULT_ONLY = {"my_liquid", "film_on_slope", "merging_threads", "sinking_ball", "squeeze_film", "shear_under_gravity",
+DEFAULT_ONLY = {"my_liquid", "film_on_slope", "elastic_channel", "elastic_thread", "merging_threads", "sinking_ball",
+                "squeeze_film", "shear_under_gravity",
                 "stokes_second", "column", "turning_box", "heated_cavity", "marangoni_drop",
                 "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
                 "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",
