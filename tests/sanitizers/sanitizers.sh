@@ -5,9 +5,10 @@
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMP_NUM_THREADS=1
-# leaks of Open MPI and HDF5 are not ours; ours are PETSc's, which -malloc_dump shows; a unit test that includes a source
-# file of the library has its record twice
-export ASAN_OPTIONS=detect_leaks=0:abort_on_error=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+# Leaks of Open MPI and HDF5 are not ours; ours are PETSc's, which -malloc_dump shows. A unit test that includes a
+# source file of the library has its record twice.
+export ASAN_OPTIONS=detect_leaks=0:abort_on_error=0:detect_odr_violation=0
+export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 export OMPI_MCA_mpi_yield_when_idle=1
 build=output/sanitized
 bad=0
