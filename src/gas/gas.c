@@ -295,8 +295,10 @@ static PetscErrorCode Renew(const Step *step, PetscBool resumed, StepState *stat
 
   PetscFunctionBegin;
   if (!so_far->known) PetscFunctionReturn(PETSC_SUCCESS);
-  gas->idle = so_far->idle;
+  gas->idle    = so_far->idle;
+  gas->resumed = resumed ? so_far->count : 0;
   PetscCall(GasFind(gas, PETSC_TRUE));
+  gas->resumed = 0;
   if (resumed) Recognise(gas, so_far);
   Keep(gas, (PetscBool)!resumed, so_far);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -276,7 +276,7 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
 static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
 {
   const PetscInt width = regions->count + 1;
-  PetscInt      *size, *sorted, n = 0, least = 1, spare = 0;
+  PetscInt      *size, *sorted, n = 0, least = 1, spare = 0, smallest = SMALLEST;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(regions->count, &size));
@@ -289,10 +289,15 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
     for (PetscInt r = 0; r < regions->count; r++) /* of equal parts all: a mirror does not tell which */
       if (common[b * width + r] == largest) size[r] = PETSC_MAX_INT / 2;
   }
+  for (PetscInt r = 0; r < regions->count; r++) /* pockets of a checkpoint may have become smaller than a new one */
+    if (regions->region[r].label != GAS_AIR) sorted[n++] = regions->region[r].cells;
+  PetscCall(PetscSortInt(n, sorted));
+  if (n && gas->resumed) smallest = PetscMin(SMALLEST, sorted[PetscMax(0, n - gas->resumed)]);
+  n = 0;
   for (PetscInt r = 0; r < regions->count; r++) {
     const Region *region = &regions->region[r];
 
-    if (region->label == GAS_AIR || (!size[r] && region->cells < SMALLEST))
+    if (region->label == GAS_AIR || (!size[r] && region->cells < smallest))
       size[r] = 0;
     else
       sorted[n++] = size[r] += region->cells;

@@ -14,6 +14,14 @@
 #define FORCE_LIMIT_RAW  0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
 #define RELAXATION_RATIO 5    /* time in which density errors are corrected, over h/U of the scene */
 
+/* Whether an edge wants to know where particles have been shifted. */
+static PetscBool Follows(Stepper stepper)
+{
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))
+    if ((*step.edge)->shifted && StepHas(&step)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Shifts the particles, and then what edges have them carry. */
 static PetscErrorCode ShiftAll(Stepper stepper, const Shifting *shifting, PetscReal dt)
 {
@@ -61,7 +69,10 @@ PetscErrorCode ConsistentStep(Stepper stepper, PetscReal dt, StepTrial *trial)
   /* r^{n+1} = r^{n+1/2} + dt/2 v^{n+1} */
   PetscCall(StepDriftOn(stepper, dt, cloud->field[FIELD_POSITION], scheme->centered));
   /* r^{n+1} += dr, v^{n+1} += (dr.grad) v* */
-  if (scheme->shifting.active) PetscCall(ShiftAll(stepper, &scheme->shifting, dt));
+  if (scheme->shifting.active && Follows(stepper))
+    PetscCall(ShiftAll(stepper, &scheme->shifting, dt));
+  else if (scheme->shifting.active)
+    PetscCall(Shift(cloud, &scheme->shifting, stepper->guard, dt));
   /* no particle inside a wall */
   PetscCall(StepGuard(stepper, dt, cloud->field[FIELD_POSITION], trial));
   PetscFunctionReturn(PETSC_SUCCESS);
