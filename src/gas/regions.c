@@ -269,6 +269,19 @@ static PetscInt Inherit(const Gas *gas, const PetscInt common[], PetscInt width,
   return sources;
 }
 
+/* The cells of the smallest pocket of a checkpoint, if it has become smaller than a new one. sorted: room. */
+static PetscErrorCode FindSmallestResumed(const Gas *gas, const Regions *regions, PetscInt sorted[], PetscInt *smallest)
+{
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < regions->count; r++)
+    if (regions->region[r].label != GAS_AIR) sorted[n++] = regions->region[r].cells;
+  PetscCall(PetscSortInt(n, sorted));
+  if (n) *smallest = PetscMin(*smallest, sorted[PetscMax(0, n - gas->resumed)]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Labels regions that are large enough for a pocket with their numbers, and sums in common[b width + count] the cells
    of pocket b that are in these and in the air: what sheds regions too small for a pocket keeps their gas. The
    largest part of a pocket lasts to its last cell. Of more than GAS_MOST regions the largest are chosen, first of these
@@ -289,11 +302,7 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
     for (PetscInt r = 0; r < regions->count; r++) /* of equal parts all: a mirror does not tell which */
       if (common[b * width + r] == largest) size[r] = PETSC_MAX_INT / 2;
   }
-  for (PetscInt r = 0; r < regions->count; r++) /* pockets of a checkpoint may have become smaller than a new one */
-    if (regions->region[r].label != GAS_AIR) sorted[n++] = regions->region[r].cells;
-  PetscCall(PetscSortInt(n, sorted));
-  if (n && gas->resumed) smallest = PetscMin(SMALLEST, sorted[PetscMax(0, n - gas->resumed)]);
-  n = 0;
+  if (gas->resumed) PetscCall(FindSmallestResumed(gas, regions, sorted, &smallest));
   for (PetscInt r = 0; r < regions->count; r++) {
     const Region *region = &regions->region[r];
 
