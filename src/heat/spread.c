@@ -272,7 +272,6 @@ PetscErrorCode SpreadStep(HeatSpread *spread, Cloud cloud, const Scalar *scalar,
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(gained, RECEIVERS));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
-  if (fastest == 0) PetscFunctionReturn(PETSC_SUCCESS);
   stages = PetscMax(STAGES_LEAST, (PetscInt)PetscCeilReal(0.5 * (PetscSqrtReal(9 + 8 * dt * fastest) - 1)));
   first  = 4. / (stages * stages + stages - 2) * dt;
   zero.T = cloud->field[scalar->field];

@@ -174,6 +174,10 @@ static PetscErrorCode TestSides(void)
   CHECK_CLOSE(SetupSum(gained[2]) / (500 * 4e-3), 1, 5e-3, "a flux for a second");
   CHECK_CLOSE((heat[1] - heat[0]) / (500 * 4e-3), 1, 5e-3, "heats the liquid");
   PetscCall(SetupClose(&s));
+  PetscCall(Conduct(POOL "-box_y wall -box_ymin_heat_flux 500 -water_thermal_conductivity 0", 0.5, 2, &s, heat, &error,
+                    gained));
+  CHECK_CLOSE((heat[1] - heat[0]) / (500 * 4e-3), 1, 5e-3, "and a liquid that does not conduct");
+  PetscCall(SetupClose(&s));
   PetscCall(Conduct(POOL "-box_ymin wall -box_ymax open -surface_heat_transfer 20 -ambient_temperature 290", 0.5, 2, &s,
                     heat, &error, gained));
   CHECK_CLOSE(SetupSum(gained[OF_AIR]) / (-20 * 10 * 4e-3), 1, 2e-2, "the air takes heat");
