@@ -107,11 +107,11 @@ static const char *const Forms[] = {"moment", "cleary", "morris", NULL}, *const 
 
 static const OptionRow viscosity[] = {
   {"-viscosity_form",
-   "Form of the viscous force: moment conserves angular momentum; cleary, Eq. (1), does, too, but is a tenth off where "
+   "Form of the viscous force; moment conserves angular momentum; cleary, Eq. (1), does, too, but is a tenth off where "
    "particles lie in layers; morris is exact for shear flow and dissipates too little at free surfaces",
    NULL, NULL, ROW_WORD, offsetof(struct _p_Stepper, viscosity.form), .words = Forms},
   {"-viscosity_wall",
-   "Velocity behind a wall: rest is the wall's own, as printed, and lets the first layer slip; linear continues the "
+   "Velocity behind a wall; rest is the wall's own, as printed, and lets the first layer slip; linear continues the "
    "liquid's velocity, for no slip at the wall's face",
    NULL, NULL, ROW_WORD, offsetof(struct _p_Stepper, no_slip), .words = Walls},
   {.name = NULL},

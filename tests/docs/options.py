@@ -13,53 +13,68 @@ FOLDER = os.path.join(runs.ROOT, "options")
 README, LIST = os.path.join(FOLDER, "README.md"), os.path.join(FOLDER, "options.json")
 FORM = os.path.join(FOLDER, "form.html")
 ROWS = '<script id="rows" type="application/json">', "</script>\n<!-- /rows -->"
+CHOICES = 12  # that a line holds
 MARKS = "<!-- options -->", "<!-- /options -->"
-FEATURE = r"(?<!\S)(-[\w<>]+(?: (?!cannot|needs|yet)[\w<>]+)?)"
-CHOICES = 12  # that a cell holds
 UNITS = (  # the rule
     "A unit behind a number is converted once; dumps and all files of a run have SI. It stands without a blank,",
     '`0.1mm`, or both in quotation marks, `"0.1 mm"`. In a list the unit of the last number is that of all',
     "without one, and 0 needs none: `0,1.5mm` is 0 and 1.5 mm. A blank within a unit may be left out, or be a dot.")
-COLUMNS = ("option", "default", "unit", "values", "meaning")
+NUMBER = r"[-+\d.][\d.e+-]*"
+# An option of a refusal, and its value.
+FEATURE = r"(?<!\S)-[\w<>]+(?: (?!or |without )[\w<>]+)?"
 
 
-def cells(row):
-    """The cells of an option, but for its name."""
-    default = "0" if re.fullmatch(r"0(,0)*", row["default"]) else row["default"]
-    values = row.get("values", ["true", "false"] if row["kind"] == "bool" else [])
-    allowed = ", ".join(values) if len(values) <= CHOICES else "PETSc's"
-    meaning = row["meaning"] + f" ({row['choice']})" * (", " in row["choice"])
-    return [default, row["unit"] or "", row["range"] or allowed, meaning]
+def code(text):
+    """Options of a refusal as code."""
+    return re.sub(FEATURE, r"`\g<0>`", text)
 
 
-def groups(options):
-    """{title: [[names, cells...]]}. Options that differ in their direction share a row."""
+def interval(text):
+    """An interval of -options_json, an end that is infinite left out."""
+    low, _, high = (text or "(-inf, inf)").partition(", ")
+    return text if high != "inf)" else "" if low == "(-inf" else ("≥ " if low[0] == "[" else "> ") + low[1:]
+
+
+def head(option):
+    """`-name value` unit, what else it may be."""
+    default, values = option["default"], option.get("values", [])
+    literal = re.fullmatch(f"{NUMBER}(,{NUMBER})*|true|false|output/.*", default) or default in values
+    default = "0" if re.fullmatch(r"0(,0)*", default) else default
+    unit = "" if option["unit"] in (None, "1") else " " + option["unit"]
+    facts = [f"`{option['name']}{' ' + default if literal else ''}`{unit}", interval(option["range"]),
+             ", ".join(value for value in values if value != default) if len(values) <= CHOICES else "",
+             "" if literal or default == "none" else default]
+    return ", ".join(filter(None, facts))
+
+
+def meaning(option):
+    """What it is, for which choices, and what 0 means; -help has the details."""
+    first, *more = re.split(r"; (?![^(]*\))", option["meaning"])
+    choices = ", ".join(word.split()[-1] for word in option["choice"].split(", ") if word)
+    zero = [clause for clause in more if clause.startswith("0: ")]
+    return "; ".join([first + f" ({choices})" * bool(choices), *zero])
+
+
+def sections(options):
+    """{title: {line: None}}: choices, and what differs in its direction, stand once."""
     found = {}
     for option in options:
-        rows = found.setdefault(option["group"], [])
-        alike = [row for row in rows if row[1:] == cells(option) and "-box_" in option["name"]]
-        if alike:
-            alike[0][0].append(option["name"])
-        else:
-            rows.append([[option["name"]], *cells(option)])
+        lines = found.setdefault(re.split(r", | with -|: ", option["group"])[0], {})
+        lines[f"- {head(option)}: {meaning(option)}"] = None
     return found
 
 
 def reference(known):
     """The list in markdown."""
-    lines = ["## What cannot be used together", ""]
+    lines, apart = ["## What cannot be used together", "", "A run that is refused says why.", ""], {}
     for refusal in known["refusals"]:
-        text = f"{refusal['one']} {refusal['relation']} {refusal['other']}{refusal['rest']}"
-        lines.append("* " + re.sub(FEATURE, r"`\1`", text))
-    lines += ["", "## Units", "", *UNITS, "", "| an option in | may have |", "|---|---|"]
-    lines += [f"| {unit} | {', '.join(others)} |" for unit, others in known["units"].items()] + [""]
-    for title, rows in groups(known["options"]).items():
-        lines += ["## " + re.sub(r"(-\S+ \S+)$", r"`\1`", title), "", "| " + " | ".join(COLUMNS) + " |",
-                  "|---" * len(COLUMNS) + "|"]
-        for names, *rest in rows:
-            row = [", ".join(f"`{name}`" for name in names)] + [cell.replace("|", "\\|") for cell in rest]
-            lines.append("| " + " | ".join(row) + " |")
-        lines.append("")
+        apart.setdefault((refusal["other"], refusal["relation"]), []).append(code(refusal["one"]))
+    lines += [f"- {code(other)}, {'needed by' if relation == 'needs' else 'not with'}: {'; '.join(ones)}"
+              for (other, relation), ones in apart.items()]
+    lines += ["", "## Units", "", *UNITS, ""]
+    lines += [f"- {unit}: {', '.join(others)}" for unit, others in known["units"].items()] + [""]
+    for title, items in sections(known["options"]).items():
+        lines += [f"## {title}", "", *items, ""]
     return "\n".join(lines)
 
 
