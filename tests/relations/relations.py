@@ -490,8 +490,7 @@ def far(t):
 
 
 def frame(t):
-    """Liquid that nothing holds falls as the frame does in which it is at rest: but for the gradient's term against
-    pairing, which knows gravity (GradientCorrected)."""
+    """Liquid that nothing holds falls as the frame does in which it is at rest."""
     scene = t.scene
     if scene.names("solids") or any(kind in ("wall", "symmetry", "periodic") for kind in scene.faces().values()) or (
             scene.rings or "central_force_rate" in scene.options or "gravity_amplitude" in scene.options or
@@ -499,7 +498,7 @@ def frame(t):
         raise Unfit("something holds or brings the liquid, or it has an axis")
     g, dt = scene.vector("gravity")[:scene.dim], float(runs.series(t.plain.folder)["time_step"][1:].min())
     pull = -g if g.any() else np.array([0.3, -0.5, 0.7])[:scene.dim] * scene.spacing / dt**2 / 400
-    fixed = t.tight[0].copy(pressure_regularization="0", time_step=[dt / 4], pressure_relaxation_time=[50 * dt])
+    fixed = t.tight[0].copy(time_step=[dt / 4], pressure_relaxation_time=[50 * dt])
     if fixed.options.get("scheme", "consistent") != "consistent":
         raise Unfit("its steps or its speed of sound follow from the scene's speeds")
     one, wrong = t.run(fixed), []
