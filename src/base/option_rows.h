@@ -130,7 +130,7 @@ PetscErrorCode    OptionsForget(void);
 #define DUMP_OPTION    "-dump_options"
 #define LIST_OPTION    "-options_json"
 #define SCENE_OPTION   "-scene_json"
-#define HELP_OPTION    "-help_on"
+#define HELP_OPTION    "-help_on" /* what -help WORD becomes, since PETSc reads -help itself */
 #define MEASURE_OPTION "-measure"
 PetscBool OptionsAll(void);
 

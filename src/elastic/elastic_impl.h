@@ -27,19 +27,12 @@ typedef struct {
   PetscReal extent;     /* b of fene_p, 1 */
 } Polymers;
 
-/* What the scene has of them, a property. */
-typedef struct {
-  PetscReal ratio; /* longest step over h/c, c the speed of elastic waves, 1 */
-} ElasticLimits;
-
 extern const Property  ElasticProperties[];
 extern const GaugeKind GaugeElastic;
 
 /* PolymersOf - of a body of the scene. ElasticOn - whether a scene has polymers. Not collective. */
 const Polymers *PolymersOf(Scene scene, PetscInt body);
 PetscBool       ElasticOn(Scene scene, Tension tension);
-/* ElasticStepRatio - of the scene. Not collective. */
-PetscReal ElasticStepRatio(Scene scene);
 
 /* --- model.c: one particle; s = c - 1, xx yy zz xy xz yz. Not collective --- */
 

@@ -38,28 +38,7 @@ static PetscErrorCode Check(Domain domain, const char prefix[], void *data)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define STEP_RATIO 0.3 /* start-up of Poiseuille flow across 20 spacings: 2 % of the largest speed */
-
-static const OptionRow of_scene[] = {
-  {"-elastic_step_ratio",
-   "Longest step over h/c, c the speed of elastic waves: accuracy of waves; implicit viscosity is stable to 2", "1",
-   "(0, 2]", ROW_REAL, offsetof(ElasticLimits, ratio)},
-  {.name = NULL},
-};
-
-static void Defaults(void *data)
-{
-  ((ElasticLimits *)data)->ratio = STEP_RATIO;
-}
-
-const Property ElasticProperties[] = {{OWNER_BODY, sizeof(Polymers), of_bodies, NULL, Check},
-                                      {OWNER_SCENE, sizeof(ElasticLimits), of_scene, Defaults, NULL},
-                                      {.rows = NULL}};
-
-PetscReal ElasticStepRatio(Scene scene)
-{
-  return ((const ElasticLimits *)SceneOwn(scene, ElasticProperties + 1))->ratio;
-}
+const Property ElasticProperties[] = {{OWNER_BODY, sizeof(Polymers), of_bodies, NULL, Check}, {.rows = NULL}};
 
 const Polymers *PolymersOf(Scene scene, PetscInt body)
 {

@@ -164,7 +164,7 @@ static PetscReal MeasureLevel(Gauges gauges, const Crater *crater, const CraterG
     n++;
   }
   if (n) return sum / n;
-  GaugeBodyBounds(gauges, crater->pool, lower, upper);
+  GaugeBodyBounds(gauges, POOL, lower, upper);
   return upper[gauges->cloud->domain->dim - 1];
 }
 
@@ -181,9 +181,9 @@ static PetscBool ColumnSurface(Gauges gauges, const Crater *crater, const Crater
   if (map->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
   ColumnCentre(grid, column, x);
   x[up] = gauges->level - half;
-  GaugeBodyBounds(gauges, crater->pool, lower, upper);
+  GaugeBodyBounds(gauges, POOL, lower, upper);
   *z = lower[up];
-  return BodyContains(SceneBody(gauges->cloud->scene, crater->pool), x);
+  return BodyContains(SceneBody(gauges->cloud->scene, POOL), x);
 }
 
 /* Mean height (m) of the patch of two columns a side that begins with this column. False: not all columns lie in the
@@ -315,7 +315,7 @@ static PetscErrorCode CrownAndJet(Gauges gauges, const Crater *crater, PetscReal
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= AZIMUTH; k++) top[k] = -PETSC_MAX_REAL;
   PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
-  PetscCall(ConnectedWithBody(gauges, crater->pool, connected));
+  PetscCall(ConnectedWithBody(gauges, POOL, connected));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal r[2];
     PetscInt  k = AZIMUTH;
@@ -364,7 +364,7 @@ static PetscErrorCode Measure_Crater(Gauges gauges, const void *data, PetscReal 
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
-  PetscCall(CraterGridCreate(gauges, crater->pool, &arrays, &grid));
+  PetscCall(CraterGridCreate(gauges, POOL, &arrays, &grid));
   PetscCall(ListPool(gauges, crater, &arrays, &grid, &n, &pool));
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
   PetscCall(SkyMapCreate(gauges, crater, &grid, n, pool, &map));

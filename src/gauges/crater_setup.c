@@ -54,7 +54,6 @@ void CraterDefaults(Gauges gauges, void *data)
     half = PetscMax(half, PetscMax(upper[d] - crater->axis[d], crater->axis[d] - lower[d]));
   }
   crater->jet_radius = JET_RADIUS * half;
-  (void)PetscStrncpy(crater->pool_name, BodyName(SceneBody(scene, 0)), sizeof(crater->pool_name));
 }
 
 /* Half the distance (m) from the axis to the nearest face of the box, other than mirrors through the axis. */
@@ -75,7 +74,6 @@ static PetscReal CraterRadius(Gauges gauges, const Crater *crater)
 }
 
 const OptionRow CraterOptions[] = {
-  {"-gauge_pool", "Body that is the pool", NULL, NULL, ROW_TEXT, offsetof(Crater, pool_name), .fallback = "the first"},
   {"-gauge_axis", "Axis of the impact, x,y (in two dimensions x)", "m", NULL, ROW_NUMBERS, offsetof(Crater, given),
    .fallback = "that of the last body", .most = DIM},
   {"-gauge_jet_radius", "Radius around the axis that separates jet from crown", "m", "[0, inf)", ROW_REAL,
@@ -84,8 +82,8 @@ const OptionRow CraterOptions[] = {
 };
 
 static const OptionRow wanted[] = {
-  {"-gauge_crater", "Write heights of crown and jet, depth and diameter of the crater to the series", NULL, NULL,
-   ROW_BOOL, offsetof(Crater, wanted), .fallback = "true if one of -gauge_pool, _axis, _jet_radius is given"},
+  {"-gauge_crater", "Write heights of crown and jet, depth and diameter of the crater in the first body to the series",
+   NULL, NULL, ROW_BOOL, offsetof(Crater, wanted), .fallback = "true if -gauge_axis or -gauge_jet_radius is given"},
   {.name = NULL},
 };
 
@@ -105,7 +103,6 @@ PetscErrorCode CraterMore(Gauges gauges, OptionItems PetscOptionsObject, void *d
 PetscErrorCode CraterCheck(Gauges gauges, void *data)
 {
   const PetscInt numbers = gauges->cloud->domain->dim - 1;
-  const Scene    scene   = gauges->cloud->scene;
   Crater        *crater  = data;
 
   PetscFunctionBegin;
@@ -115,10 +112,6 @@ PetscErrorCode CraterCheck(Gauges gauges, void *data)
   }
   PetscCheckUser(!crater->given.count || crater->given.count == numbers, gauges->comm,
                  "-gauge_axis has %d numbers; it needs %d.", (int)crater->given.count, (int)numbers);
-  for (crater->pool = 0; crater->pool < SceneCount(scene); crater->pool++)
-    if (!strcmp(crater->pool_name, BodyName(SceneBody(scene, crater->pool)))) break;
-  PetscCheckUser(crater->pool < SceneCount(scene), gauges->comm, "-gauge_pool is %s, which is none of -bodies.",
-                 crater->pool_name);
   PetscCheckUser(crater->radius >= 0, gauges->comm, "-gauge_axis must lie in the box.");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

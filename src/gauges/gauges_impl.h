@@ -98,11 +98,11 @@ PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
 PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);
 
 /* --- crater_setup.c --- */
+#define POOL 0 /* the first body is that in which a crater forms */
+
 /* Where and how crown, crater and jet are measured. */
 typedef struct {
   PetscBool wanted;
-  char      pool_name[PETSC_MAX_PATH_LEN];
-  PetscInt  pool;       /* index of the pool's body */
   PetscReal axis[DIM];  /* m, horizontal */
   PetscReal jet_radius; /* m */
   PetscReal radius;     /* m, the crater lies inside */

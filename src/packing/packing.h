@@ -21,7 +21,7 @@ typedef struct {
    Collective. */
 PetscErrorCode PackingCreate(Cloud cloud, Packing *packing);
 /* PackingSetFromOptions - -packing_type lattice|poisson, -packing_jitter (in spacings), -packing_seed,
-   -packing_distance, -packing_tolerance, -packing_cache (folder; empty: none), -packing_tao_*. Collective. */
+   -packing_tolerance, -packing_cache (folder; empty: none), -packing_tao_*. Collective. */
 PetscErrorCode PackingSetFromOptions(Packing packing);
 /* PackingSetRough - rough: the stepper does not even the particles out before the run, so that the jitter is half of
    what it is otherwise. Not collective. */

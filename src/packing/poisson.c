@@ -2,11 +2,11 @@
    as in Kuri et al.; a file keeps a finished packing (cache.c). */
 #include "packing_impl.h"
 
-#define DISTANCE  0.6  /* reaches the tolerance of the paper; 0.7 stays at 1.5 times, 0.8 stalls */
+#define DISTANCE  0.6  /* spacings, of two particles; reaches the tolerance of the paper; 0.7 stays at 1.5 times */
 #define TOLERANCE 9e-5 /* Kuri et al.: at most 0.1 of 1100 kg/m3 */
 
 typedef struct {
-  PetscReal          distance, tolerance; /* spacings; relative */
+  PetscReal          tolerance; /* relative */
   unsigned long long hash;
   PetscBool          cached;
   PetscInt           n;
@@ -15,8 +15,6 @@ typedef struct {
 } Poisson;
 
 static const OptionRow options[] = {
-  {"-packing_distance", "Smallest distance of two particles of liquid", "spacings", "(0, 1)", ROW_REAL,
-   offsetof(Poisson, distance)},
   {"-packing_tolerance", "Standard deviation of the density over the rest density at which the optimisation stops", "1",
    "(0, 1)", ROW_REAL, offsetof(Poisson, tolerance)},
   {.name = NULL},
@@ -24,10 +22,7 @@ static const OptionRow options[] = {
 
 static void Defaults(void *owner)
 {
-  Poisson *p = (Poisson *)((Packing)owner)->data;
-
-  p->distance  = DISTANCE;
-  p->tolerance = TOLERANCE;
+  ((Poisson *)((Packing)owner)->data)->tolerance = TOLERANCE;
 }
 
 static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
@@ -40,7 +35,7 @@ static PetscErrorCode SetUp_Poisson(Packing packing, PackingReport *report)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  (void)snprintf(how, sizeof(how), "%.12g %.12g", (double)p->distance, (double)p->tolerance);
+  (void)snprintf(how, sizeof(how), "%.12g %.12g", DISTANCE, (double)p->tolerance);
   PetscCall(PackingHash(packing, how, &p->hash));
   if (packing->cache[0]) PetscCall(CacheRead(packing->cloud, packing->cache, p->hash, &p->n, &p->x, &p->body));
   p->cached = report->cached = (PetscBool)(p->n > 0);
@@ -79,7 +74,7 @@ static PetscErrorCode Improve_Poisson(Packing packing, PackingReport *report)
 {
   Poisson      *p      = (Poisson *)packing->data;
   const Cloud   cloud  = packing->cloud;
-  PackingTarget target = {.distance = p->distance, .tolerance = p->tolerance};
+  PackingTarget target = {.distance = DISTANCE, .tolerance = p->tolerance};
 
   PetscFunctionBegin;
   PetscCall(PetscFree(p->x)); /* the swarm has the positions now */

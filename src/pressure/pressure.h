@@ -53,7 +53,7 @@ PetscBool PressureHolds(Pressure pressure, PetscInt a);
 PetscReal PressureDensityDefect(Pressure pressure, PetscInt a);
 /* PressureSetFromOptions - -pressure_source, -pressure_closure, -pressure_gradient,
    -pressure_regularization, -pressure_relaxation_time (s; 0: the stepper's choice), -pressure_wall_suction,
-   -pressure_rebuild_interval, -pressure_density_tolerance, -mat_type; the KSP's options act at its creation.
+   -pressure_density_tolerance, -mat_type; the KSP's options act at its creation.
    Collective. */
 PetscErrorCode PressureSetFromOptions(Pressure pressure);
 PetscErrorCode PressureView(Pressure pressure, PetscViewer viewer);

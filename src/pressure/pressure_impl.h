@@ -137,13 +137,13 @@ struct _p_Pressure {
 
   /* the solver */
   Solver    solver;
-  PetscInt  solver_layout;                /* the cloud's layout for which the solver was made */
-  PetscReal density_tolerance;            /* 1; 0: PETSc's own test */
-  PetscReal density_claimed;              /* 1, largest error at which the solver stopped */
-  PetscReal density_left;                 /* 1, rms error that the solver's residual leaves */
-  PetscInt  rebuild_interval, kept_steps; /* the option, 0: not set; steps for which the preconditioner is kept */
-  PetscInt  age, first_iterations;        /* of the preconditioner: steps, and iterations in its first step */
-  PetscBool rebuild;                      /* rebuild the preconditioner in the next step */
+  PetscInt  solver_layout;         /* the cloud's layout for which the solver was made */
+  PetscReal density_tolerance;     /* 1; 0: PETSc's own test */
+  PetscReal density_claimed;       /* 1, largest error at which the solver stopped */
+  PetscReal density_left;          /* 1, rms error that the solver's residual leaves */
+  PetscInt  kept_steps;            /* steps for which the preconditioner is kept */
+  PetscInt  age, first_iterations; /* of the preconditioner: steps, and iterations in its first step */
+  PetscBool rebuild;               /* rebuild the preconditioner in the next step */
 };
 
 /* PressureShare of particle a. */

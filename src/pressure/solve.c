@@ -177,7 +177,6 @@ static PetscErrorCode CreateSolver(Pressure pressure)
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCGAMG, &gamg));
   PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCJACOBI, &jacobi));
   pressure->kept_steps = jacobi ? 1 : cheap ? REBUILD_CHEAP : REBUILD_DEAR;
-  if (pressure->rebuild_interval > 0) pressure->kept_steps = pressure->rebuild_interval;
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pressure->solver.ksp, &direct, KSPPREONLY, KSPNONE, ""));
   if (direct) pressure->kept_steps = 1; /* the preconditioner is the solver: it must be of this step */
   if (gamg) {

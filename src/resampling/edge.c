@@ -15,13 +15,6 @@ static const NumberRow rows[] = {
   {.name = NULL},
 };
 
-static PetscErrorCode Options(const Step *step)
-{
-  PetscFunctionBegin;
-  PetscCall(ResamplingSetFromOptions(step->cloud, (Resampling *)step->own));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The largest area of a ring over its area at the start, on all ranks. */
 static PetscErrorCode LargestShare(Cloud cloud, PetscReal *share)
 {
@@ -36,16 +29,16 @@ static PetscErrorCode LargestShare(Cloud cloud, PetscReal *share)
 /* Not in a step that has lost particles: the cloud then has no fields of the step any more. */
 static PetscErrorCode Commit(const Step *step, StepState *state)
 {
-  const Resampling *resampling = (const Resampling *)step->own;
-  Resampled        *so_far     = (Resampled *)StepNumbers(step, state);
-  PetscReal         largest;
-  ResamplingReport  report;
+  Resampled       *so_far = (Resampled *)StepNumbers(step, state);
+  PetscReal        largest;
+  ResamplingReport report;
 
   PetscFunctionBegin;
-  if (step->trial->lost > 0 || step->damping < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!DomainVolumesDiffer(step->cloud->domain) || step->trial->lost > 0 || step->damping < 1)
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(LargestShare(step->cloud, &largest));
-  if (!ResamplingDue(resampling, state->step, largest)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Resample(step->cloud, resampling, &report));
+  if (!ResamplingDue(state->step, largest)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Resample(step->cloud, &report));
   so_far->loss += report.energy;
   so_far->joined += report.joined;
   so_far->split += report.split;
@@ -66,10 +59,5 @@ static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge ResamplingEdge = {.name        = "resampling",
-                             .data_size   = sizeof(Resampling),
-                             .number_size = sizeof(Resampled),
-                             .numbers     = rows,
-                             .report      = Report,
-                             .options     = Options,
-                             .commit      = Commit};
+const Edge ResamplingEdge = {
+  .name = "resampling", .number_size = sizeof(Resampled), .numbers = rows, .report = Report, .commit = Commit};

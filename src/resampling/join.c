@@ -9,12 +9,13 @@
 #include "resampling_impl.h"
 
 #define NOBODY      (-1)
-#define JOINED_MOST 1.3  /* largest share after joining */
-#define REACH       1.25 /* spacings, largest distance of two particles that join */
-#define PATH        0.45 /* spacings, largest distance times the smaller share: 0.75 spacings for a share of 0.6 */
-#define AS_ONE      1e-6 /* square of the least difference of velocities, over the velocity, that decides a choice */
-#define LARGER      1.5  /* ratio of sizes from which a neighbour is larger */
-#define TOUCHES     1.5  /* mean spacings of a pair: largest distance of graded particles that join */
+#define JOINED_MOST 1.3   /* largest share after joining */
+#define REACH       1.25  /* spacings, largest distance of two particles that join */
+#define PATH        0.45  /* spacings, largest distance times the smaller share: 0.75 spacings for a share of 0.6 */
+#define AS_ONE      1e-6  /* square of the least difference of velocities, over the velocity, that decides a choice */
+#define ALONE       0.125 /* part of its support that liquid of its size fills: nine particles in space */
+#define LARGER      1.5   /* ratio of sizes from which a neighbour is larger */
+#define TOUCHES     1.5   /* mean spacings of a pair: largest distance of graded particles that join */
 
 /* Whether particle b may join: it is liquid and no image behind a face of the box. */
 static PetscBool MayJoin(Cloud cloud, PetscInt b)
@@ -139,14 +140,14 @@ static PetscInt Cheapest(Cloud cloud, const Change *change, PetscInt a, const Pe
 }
 
 /* Whether little liquid of its own size surrounds particle a. */
-static PetscBool IsAlone(Cloud cloud, const Resampling *resampling, PetscInt a)
+static PetscBool IsAlone(Cloud cloud, PetscInt a)
 {
   const PetscReal R = cloud->size[a] * KernelSupport(cloud->kernel);
   PetscReal       V = cloud->volume[a];
 
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
     if (cloud->size[cloud->list[k]] <= LARGER * cloud->size[a]) V += cloud->volume[cloud->list[k]];
-  return (PetscBool)(V < resampling->alone * PETSC_PI * R * R * (cloud->domain->dim == 3 ? 4 * R / 3 : 1));
+  return (PetscBool)(V < ALONE * PETSC_PI * R * R * (cloud->domain->dim == 3 ? 4 * R / 3 : 1));
 }
 
 /* Particle b absorbs a. */
@@ -172,9 +173,10 @@ static void Absorb(Cloud cloud, PetscInt b, PetscInt a, Change *change, Resampli
   report->energy += 0.5 * cloud->rest_density[b] * sum * of_a * of_b * Dot(dv, dv);
 }
 
-PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report)
+PetscErrorCode JoinSmall(Cloud cloud, Change *change, ResamplingReport *report)
 {
-  const PetscInt *id = cloud->integer[INT_ID];
+  const PetscInt *id    = cloud->integer[INT_ID];
+  const PetscReal least = cloud->domain->adaptive ? LEAST_FOLLOW : LEAST;
   PetscInt       *proposal, *accepted, *chosen; /* ids, ids; local indices */
 
   PetscFunctionBegin;
@@ -183,8 +185,7 @@ PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *chan
     PetscBool small = PETSC_FALSE;
 
     if (a < cloud->n_fluid && MayJoin(cloud, a))
-      small =
-        ByShare(cloud->domain) ? (PetscBool)(change->share[a] < resampling->least) : IsAlone(cloud, resampling, a);
+      small = ByShare(cloud->domain) ? (PetscBool)(change->share[a] < least) : IsAlone(cloud, a);
     chosen[a]   = small ? Cheapest(cloud, change, a, NULL) : NOBODY;
     proposal[a] = chosen[a] == NOBODY ? NOBODY : id[chosen[a]];
   }

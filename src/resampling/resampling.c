@@ -1,42 +1,8 @@
-/* Resampling: options, the time of a resampling, and the change of the swarm. */
+/* Resampling: the time of a resampling, and the change of the swarm. */
 #include "resampling_impl.h"
 
-#define INTERVAL 10
-#define AT_ONCE  2     /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
-#define ALONE    0.125 /* about nine particles in three dimensions */
-
-static const OptionRow interval[] = {
-  {"-resampling_interval", "Steps between two resamplings, sooner if a ring grows too large; 0: never", "1", "[0, inf)",
-   ROW_INT, offsetof(Resampling, interval)},
-  {.name = NULL},
-};
-static const OptionRow alone[] = {
-  {"-resampling_alone",
-   "A graded particle joins a larger neighbour if liquid of its own size fills less than this part of its support; 0: "
-   "never",
-   "1", "[0, 1)", ROW_REAL, offsetof(Resampling, alone)},
-  {.name = NULL},
-};
-
-PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *r)
-{
-  const Domain    domain = cloud->domain;
-  const PetscBool any = DomainVolumesDiffer(domain), fixed = (PetscBool)(domain->graded && !ByShare(domain));
-
-  PetscFunctionBegin;
-  *r = (Resampling){.interval = INTERVAL, .alone = ALONE, .least = LEAST, .most = MOST};
-  if (domain->adaptive) {
-    r->least = LEAST_FOLLOW;
-    r->most  = MOST_FOLLOW;
-  }
-  PetscOptionsBegin(cloud->comm, NULL, "Joining and splitting of particles", "Resampling");
-  PetscCall(
-    OptionsReadIf(PetscOptionsObject, any, "-dimension axisymmetric or -spacing_coarse", interval, __func__, r));
-  if (!any) r->interval = 0;
-  PetscCall(OptionsReadIf(PetscOptionsObject, fixed, "-spacing_coarse without -spacing_follow", alone, __func__, r));
-  PetscOptionsEnd();
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define INTERVAL 10 /* steps; a particle moves 0.26 spacings in one at most, a fraction of a support in all of them */
+#define AT_ONCE  2  /* times MOST: a ring that runs onto the axis grows too fast to wait for the interval */
 
 PetscReal ResamplingArea(Cloud cloud, PetscInt a)
 {
@@ -46,9 +12,9 @@ PetscReal ResamplingArea(Cloud cloud, PetscInt a)
   return cloud->volume[a] / (length * domain->volume) / PetscSqr(cloud->size[a]);
 }
 
-PetscBool ResamplingDue(const Resampling *r, PetscInt step, PetscReal largest)
+PetscBool ResamplingDue(PetscInt step, PetscReal largest)
 {
-  return (PetscBool)(r->interval > 0 && (step % r->interval == 0 || largest > AT_ONCE * MOST));
+  return (PetscBool)(step % INTERVAL == 0 || largest > AT_ONCE * MOST);
 }
 
 /* The unit and the share of each particle, ghosts too: the unit is its size, or what adapts the spacing wants. */
@@ -154,7 +120,7 @@ static PetscErrorCode Apply(Cloud cloud, Change *change)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report)
+PetscErrorCode Resample(Cloud cloud, ResamplingReport *report)
 {
   Change    change;
   PetscInt  done[2];
@@ -168,8 +134,8 @@ PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingRep
   PetscCall(ChangeCreate(cloud, &change));
   for (PetscInt a = 0; a < cloud->n_fluid && change.arrays.real[FIELD_SIZE]; a++)
     change.arrays.real[FIELD_SIZE][a] = ShareSize(cloud, &change, a, 1);
-  PetscCall(JoinSmall(cloud, resampling, &change, report));
-  if (ByShare(cloud->domain)) PetscCall(SplitLarge(cloud, resampling, &change, report));
+  PetscCall(JoinSmall(cloud, &change, report));
+  if (ByShare(cloud->domain)) PetscCall(SplitLarge(cloud, &change, report));
   PetscCall(ParticlesClose(cloud->particles, &change.arrays));
   done[0] = report->joined;
   done[1] = report->split;

@@ -29,26 +29,17 @@ static inline PetscBool ByShare(Domain domain)
 }
 
 typedef struct {
-  PetscInt  interval;    /* steps between two resamplings; 0: never */
-  PetscReal alone;       /* a graded particle joins if liquid of its size fills less than this part of its support */
-  PetscReal least, most; /* shares below which a particle joins, and above which it splits */
-} Resampling;
-
-typedef struct {
   PetscInt  joined, split; /* particles removed by joining, added by splitting */
   PetscReal energy;        /* loss of kinetic energy, J */
 } ResamplingReport;
 
-/* ResamplingSetFromOptions - reads -resampling_interval, and for graded particles -resampling_alone. Scenes with equal
-   volumes have neither. Collective. */
-PetscErrorCode ResamplingSetFromOptions(Cloud cloud, Resampling *resampling);
-/* ResamplingArea - the ring area of particle a over V_0. ResamplingDue - whether to resample after this step: at the
-   interval, and in any step whose largest ring area, 'largest', exceeds twice MOST. Not collective. */
+/* ResamplingArea - the ring area of particle a over V_0. ResamplingDue - whether to resample after this step: after
+   every tenth, and after any whose largest ring area, 'largest', exceeds twice MOST. Not collective. */
 PetscReal ResamplingArea(Cloud cloud, PetscInt a);
-PetscBool ResamplingDue(const Resampling *resampling, PetscInt step, PetscReal largest);
+PetscBool ResamplingDue(PetscInt step, PetscReal largest);
 /* Resample - joins and splits at the end of an accepted step. The cloud must still hold the step's neighbours, moments
    and velocity gradient. Ends with CloudResync if a particle joined or split. Collective. */
-PetscErrorCode Resample(Cloud cloud, const Resampling *resampling, ResamplingReport *report);
+PetscErrorCode Resample(Cloud cloud, ResamplingReport *report);
 
 /* The particles after resampling. The cloud keeps the state before. */
 typedef struct {
@@ -74,10 +65,10 @@ static inline PetscReal ShareSize(Cloud cloud, const Change *change, PetscInt a,
 /* SmoothDisorder - moves particles that stand unevenly after splits and joins. Ends with CloudResync. Collective. */
 PetscErrorCode SmoothDisorder(Cloud cloud);
 /* JoinSmall - joins small particles with their nearest neighbours. Collective. */
-PetscErrorCode JoinSmall(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report);
+PetscErrorCode JoinSmall(Cloud cloud, Change *change, ResamplingReport *report);
 /* SplitLarge - chooses the particles that split and the positions of their halves, and moves the parents. Not
    collective. */
-PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report);
+PetscErrorCode SplitLarge(Cloud cloud, Change *change, ResamplingReport *report);
 /* SplitVelocity - change dv (m/s) of the liquid's velocity over the displacement at (m) from particle a. Not
    collective. */
 void SplitVelocity(Cloud cloud, PetscInt a, const PetscReal at[DIM], PetscReal dv[DIM]);

@@ -137,15 +137,16 @@ static PetscBool FindPlace(Cloud cloud, PetscInt a, const Change *change, PetscR
   return PETSC_FALSE;
 }
 
-PetscErrorCode SplitLarge(Cloud cloud, const Resampling *resampling, Change *change, ResamplingReport *report)
+PetscErrorCode SplitLarge(Cloud cloud, Change *change, ResamplingReport *report)
 {
+  const PetscReal most   = cloud->domain->adaptive ? MOST_FOLLOW : MOST;
   ParticleArrays *arrays = &change->arrays;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal *at = change->at + DIM * change->split, dv[DIM];
 
-    if (change->share[a] <= resampling->most || !change->keep[a] || change->changed[a]) continue;
+    if (change->share[a] <= most || !change->keep[a] || change->changed[a]) continue;
     if (!FindPlace(cloud, a, change, at)) continue;
     SplitVelocity(cloud, a, at, dv);
     change->parent[change->split++] = a;

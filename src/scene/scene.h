@@ -5,7 +5,7 @@
    -<b>_shape box|sphere|cylinder|ellipsoid|half_space|wave|thread|stl, its sizes, -<b>_density, -<b>_viscosity,
    -<b>_tension,
    -<b>_viscosity_model newtonian|power_law|carreau|herschel_bulkley and its numbers (viscosity.c),
-   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|taylor_green|formula and its numbers (added
+   -<b>_velocity (uniform part), -<b>_velocity_type uniform|rotation|strain|formula and its numbers (added
    to the uniform part). Every shape is cut by the box and by the solids.
 
    -<b>_type emitter: the body is empty at the start. Its shape is filled with liquid of the body's velocity every
@@ -49,8 +49,7 @@
    the axis.
 
    Velocity fields: rotation _rotation_rate (rad/s), _rotation_center; strain _strain_rate (1/s, diagonal or full
-   gradient), _strain_center; taylor_green _taylor_green_amplitude (m/s), _taylor_green_wavelength (m, default: the
-   width of the box). */
+   gradient), _strain_center; formula _velocity_formula. */
 #ifndef ISPH_SCENE_H
 #define ISPH_SCENE_H
 

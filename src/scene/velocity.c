@@ -94,49 +94,8 @@ static PetscErrorCode StrainSetUp(void *owner)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef struct {
-  OptionNumbers amplitude;  /* m/s */
-  PetscReal     wavelength; /* m */
-} TaylorGreen;
-
-static const OptionRow taylor_green[] = {
-  {"-taylor_green_amplitude", "Largest velocity of the Taylor-Green vortices", "m/s", NULL, ROW_NUMBERS,
-   offsetof(TaylorGreen, amplitude)},
-  {"-taylor_green_wavelength", "Wavelength of the Taylor-Green vortices", "m", "(0, inf)", ROW_REAL,
-   offsetof(TaylorGreen, wavelength), .fallback = "the width of the box"},
-  {.name = NULL},
-};
-
-static void TaylorGreenDefaults(void *owner)
-{
-  Body body                                        = (Body)owner;
-  ((TaylorGreen *)body->velocity_data)->wavelength = body->domain->upper[0] - body->domain->lower[0];
-}
-
-static PetscErrorCode TaylorGreenSetUp(void *owner)
-{
-  Body               body   = (Body)owner;
-  const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;
-
-  PetscFunctionBegin;
-  PetscCall(CheckGiven(body, "-taylor_green_amplitude", vortex->amplitude.count));
-  PetscCheckUser(vortex->amplitude.count == 1, body->domain->comm, "-%staylor_green_amplitude must have one number",
-                 body->prefix);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Taylor & Green (1937), plane and constant along z: u = -U cos(2 pi x/L) sin(2 pi y/L),
-   v = U sin(2 pi x/L) cos(2 pi y/L). */
-static void TaylorGreenAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
-{
-  const TaylorGreen *vortex = (const TaylorGreen *)body->velocity_data;
-  const PetscReal    k      = 2 * PETSC_PI / vortex->wavelength;
-
-  v[0] -= vortex->amplitude.value[0] * PetscCosReal(k * x[0]) * PetscSinReal(k * x[1]);
-  v[1] += vortex->amplitude.value[0] * PetscSinReal(k * x[0]) * PetscCosReal(k * x[1]);
-}
-
-/* A formula for each component. */
+/* A formula for each component. Vortices of Taylor & Green (1937) are
+   0-cos(2*pi*x)*sin(2*pi*y),sin(2*pi*x)*cos(2*pi*y). */
 typedef struct {
   char    text[PETSC_MAX_PATH_LEN];
   Formula of[DIM];
@@ -178,13 +137,9 @@ static void FormulasAdd(Body body, const PetscReal x[DIM], PetscReal v[DIM])
   for (PetscInt d = 0; d < body->domain->dim; d++) v[d] += FormulaValue(&formulas->of[d], x);
 }
 
-static const VelocityOps Uniform      = {{"uniform", 0, NULL, NULL, NULL}, NULL};
-static const VelocityOps Rotation     = {{"rotation", sizeof(Linear), rotation, NULL, RotationSetUp}, LinearAdd};
-static const VelocityOps Strain       = {{"strain", sizeof(Linear), strain, NULL, StrainSetUp}, LinearAdd};
-static const VelocityOps TaylorGreens = {{"taylor_green", sizeof(TaylorGreen), taylor_green, TaylorGreenDefaults,
-                                          TaylorGreenSetUp},
-                                         TaylorGreenAdd};
-static const VelocityOps ByFormula    = {{"formula", sizeof(Formulas), formula, NULL, FormulasSetUp}, FormulasAdd};
+static const VelocityOps Uniform   = {{"uniform", 0, NULL, NULL, NULL}, NULL};
+static const VelocityOps Rotation  = {{"rotation", sizeof(Linear), rotation, NULL, RotationSetUp}, LinearAdd};
+static const VelocityOps Strain    = {{"strain", sizeof(Linear), strain, NULL, StrainSetUp}, LinearAdd};
+static const VelocityOps ByFormula = {{"formula", sizeof(Formulas), formula, NULL, FormulasSetUp}, FormulasAdd};
 
-const Choice *const Velocities[] = {&Uniform.choice,      &Rotation.choice,  &Strain.choice,
-                                    &TaylorGreens.choice, &ByFormula.choice, NULL};
+const Choice *const Velocities[] = {&Uniform.choice, &Rotation.choice, &Strain.choice, &ByFormula.choice, NULL};

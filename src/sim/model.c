@@ -1,4 +1,4 @@
-/* The cheapest model that holds for a scene: SceneModel, which -scene_model, every -dry_run and scene.json tell. Its
+/* The cheapest model that holds for a scene: SceneModel, which every -dry_run and scene.json tell. Its
    symmetries are found by trying: what is at a point of the scene must be at the image of this point, too, for points
    in and around each body and in the box. If something in the scene depends on the time, this must be so at many
    moments: those where motions, swinging gravity and emitters are extreme (SceneMoments), and some at golden-ratio

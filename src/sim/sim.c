@@ -70,24 +70,19 @@ static const OptionRow deeds[] = {
    "checkpoint "
    "however long a step is; on the command line only",
    "1", "[1, inf)", ROW_INT, offsetof(struct _p_Sim, ranks), .fallback = "those of mpiexec, or one"},
-  {"-dry_run", "Print particles, memory, bounds of the time step, estimated time and output, draw the scene", NULL,
-   NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
+  {"-dry_run",
+   "Print particles, memory, bounds of the time step, estimated time and output, and which models hold (rings, "
+   "mirrors, a plane); draw the scene",
+   NULL, NULL, ROW_BOOL, offsetof(struct _p_Sim, dry_run)},
   {MEASURE_OPTION,
    "Folder of a run that is done: its columns at the times of its snapshots, with gauges that are given now, go into "
    "measured.csv there; its options.opts is read first; forces need -snapshot_walls of the run",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, measure), .fallback = "none"},
-  {"-scene_model",
-   "Print which models hold for the scene (rings, mirrors, a plane; without tension, viscosity or gravity)", NULL, NULL,
-   ROW_BOOL, offsetof(struct _p_Sim, model)},
   {SCENE_OPTION,
    "Write what the program knows about the scene into a file (options/scene_json.md), as each run does into its folder",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, scene_json)},
   {DUMP_OPTION, "Write a commented options file of the scene with all options", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, dump)},
-  {HELP_OPTION,
-   "Print the options that have a word in their name, meaning or group, and those that PETSc's solvers read, with or "
-   "without a scene; -help WORD is the same",
-   NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, word)},
   {LIST_OPTION, "Write a list of all options, with or without a scene", NULL, NULL, ROW_TEXT,
    offsetof(struct _p_Sim, list)},
   {.name = NULL},
@@ -100,13 +95,13 @@ static PetscErrorCode ReadOwnOptions(Sim sim)
   PetscFunctionBegin;
   PetscCall(OptionsReadBlock(sim->comm, "Run", options, "SimSetFromOptions", sim));
   PetscCall(OptionsReadBlock(sim->comm, DEEDS, deeds, "SimSetFromOptions", sim));
+  PetscCall(PetscOptionsGetString(NULL, NULL, HELP_OPTION, sim->word, sizeof(sim->word), NULL));
   sim->has_end = OptionFind("-time_end")->given;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-output_dir", &sim->writes));
   if (!sim->embedded) sim->writes = PETSC_TRUE;
   for (const OptionRow *row = deeds; row->name; row++)
     PetscCheckUser(row->kind != ROW_TEXT || !OptionFind(row->name)->given || ((char *)sim + row->offset)[0], sim->comm,
-                   "%s needs %s", row->name,
-                   strcmp(row->name, HELP_OPTION) ? "the name of the file to write" : "a word to look for");
+                   "%s needs the name of the file to write", row->name);
   PetscCallMPI(MPI_Comm_size(sim->comm, &size));
   PetscCheckUser(!sim->ranks || sim->ranks == size, sim->comm,
                  RANKS_OPTION " %" PetscInt_FMT
@@ -216,13 +211,6 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
   if (help) PetscCall(SolversHelp("", &help));
   if (help) PetscCall(RefusalsHelp(comm));
   if (!*stop) PetscCall(RefuseUnusedOptions(comm, PETSC_TRUE));
-  if (!*stop && sim->model) {
-    SceneModel model;
-
-    ModelFind(sim, &model);
-    PetscCall(ModelPrint(sim, &model));
-    *stop = PETSC_TRUE;
-  }
   if (!*stop && sim->scene_json[0]) {
     PetscCall(SceneFileWrite(sim, sim->scene_json));
     *stop = PETSC_TRUE;

@@ -48,7 +48,7 @@ struct _p_Sim {
   PetscBool     embedded, writes, begun, rests; /* writes: into a run folder; rests: -stop_at_rest ends the run */
   PetscInt      steps;                          /* of this start of the program */
   const char   *interrupted;                    /* what ends the run early; NULL: nothing has */
-  PetscBool     has_end, dry_run, model;
+  PetscBool     has_end, dry_run;
   PetscViewer   monitor; /* NULL: none */
   PetscInt      monitor_lines;
   PetscBool     monitor_csv, monitor_draw;

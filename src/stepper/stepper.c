@@ -60,13 +60,6 @@ static PetscErrorCode CheckDensities(Stepper s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const OptionRow ratio[] = {
-  {"-pressure_relaxation_ratio", "Time in which the divergence source corrects density errors, over h/U of the scene",
-   "1", "(0, inf)", ROW_REAL, offsetof(struct _p_Stepper, relaxation_ratio),
-   .fallback = "5; 25 with -scheme " SCHEME_WEAKLY_COMPRESSIBLE},
-  {.name = NULL},
-};
-
 /* A ChoiceReader. */
 static PetscErrorCode ReadScheme(void *object, const Choice *choice)
 {
@@ -79,7 +72,6 @@ static PetscErrorCode ReadScheme(void *object, const Choice *choice)
   PetscOptionsBegin(s->cloud->comm, NULL, title, "Stepper");
   PetscCall(OptionsRead(PetscOptionsObject, choice->options, "StepperSetFromOptions", s->scheme));
   if (choice->setup) PetscCall(choice->setup(s));
-  PetscCall(OptionsRead(PetscOptionsObject, ratio, "StepperSetFromOptions", s));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);
 }

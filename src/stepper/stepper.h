@@ -103,7 +103,7 @@ PetscErrorCode StepperCreate(Cloud cloud, Tension tension, Pressure pressure, St
 /* StepperSetFromOptions - -scheme (sets the pressure's types, which its own options may then change; calls
    PressureSetFromOptions), -shifting_*, -time_cfl, -time_step_min, -time_step_max (s), -time_step (s, fixed),
    -displacement_max (spacings), -energy_max (1), -wall_guard (spacings); weakly compressible: -sound_speed (m/s),
-   -sound_mach, -density_diffusion. Collective. */
+   Collective. */
 PetscErrorCode StepperSetFromOptions(Stepper stepper);
 PetscErrorCode StepperView(Stepper stepper, PetscViewer viewer);
 /* StepperJson - writes the scheme, if a step has been chosen its bounds, and what edges add, into the open object of

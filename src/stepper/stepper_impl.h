@@ -31,7 +31,6 @@ typedef enum { VISCOUS_EXPLICIT, VISCOUS_IMPLICIT, VISCOUS_AUTO } ViscousSolver;
 /* The implicit viscosity, viscous.c. */
 typedef struct {
   ViscousSolver choice;
-  PetscReal     ratio;                            /* largest step over the explicit limit */
   PetscBool     implicit;                         /* in this step */
   PetscReal     dt;                               /* s, of the system being solved */
   PetscReal    *pair;                             /* [pairs of the fluid] coefficients */
@@ -90,7 +89,7 @@ struct _p_Stepper {
   PetscBool          doubted;            /* -time_step, by TimeStepDoubt */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
-  PetscReal relaxation_ratio; /* default of -pressure_relaxation_ratio */
+  PetscReal relaxation_ratio; /* time in which density errors are corrected, over h/U of the scene */
   PetscReal force_time;       /* when forces act, in steps from the start of the step */
   PetscBool keeps_pressure;   /* implicit steps keep a share of the former pressure; StepKick removes it */
 };

@@ -98,7 +98,7 @@ static PetscErrorCode ExplainSolver(Stepper stepper, PetscReal dt, const StepTri
   PetscFunctionBegin;
   if (SolverFailed(&trial->viscous)) {
     PetscCall(SolverExplain(stepper->viscous.solver.ksp, &trial->viscous, VISCOUS_EQUATION, why, length));
-    TextAppend(why, length, ", or a smaller -viscosity_step_ratio");
+    TextAppend(why, length, ", or a smaller -time_step_max");
   } else {
     PetscCall(PressureSolver(stepper->pressure, &ksp, &b));
     PetscCall(SolverExplain(ksp, &trial->pressure.solver, PRESSURE_EQUATION, why, length));

@@ -3,8 +3,7 @@
    pairs, not assembled. */
 #include "stepper_impl.h"
 
-#define VISCOUS_RATIO 30   /* largest error of Couette flow across 20 spacings: 0.8 % of the wall's speed */
-#define VISCOUS_RTOL  1e-8 /* momentum is conserved to about this */
+#define VISCOUS_RTOL 1e-8 /* momentum is conserved to about this */
 
 PetscBool ViscosityIsExplicit(Stepper stepper)
 {
@@ -18,10 +17,6 @@ static const OptionRow options[] = {
    "Explicit, implicit (solver: -viscous_ksp_type ...), or auto: implicit in steps that the explicit limit would "
    "shorten",
    NULL, NULL, ROW_WORD, offsetof(Viscous, choice), .words = Solvers},
-  {"-viscosity_step_ratio",
-   "Largest step with implicit viscosity over the explicit limit, for accuracy; 0: no bound; the limit of a viscosity "
-   "that varies is that at the shear rate U/h of the scene",
-   "1", "[0, inf)", ROW_REAL, offsetof(Viscous, ratio)},
   {.name = NULL},
 };
 
@@ -29,7 +24,6 @@ PetscErrorCode ViscousSetFromOptions(Stepper stepper, OptionItems PetscOptionsOb
 {
   PetscFunctionBegin;
   stepper->viscous.choice = VISCOUS_AUTO;
-  stepper->viscous.ratio  = VISCOUS_RATIO;
   PetscCall(OptionsRead(PetscOptionsObject, options, "StepperSetFromOptions", &stepper->viscous));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

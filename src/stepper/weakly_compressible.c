@@ -14,25 +14,22 @@
 
 #define TAIT_EXPONENT 7 /* water; Monaghan 1994 */
 
-#define RELAXATION_RATIO                                                                                               \
-  25 /* time in which density errors are corrected, over h/U of the scene; a shorter time feeds sound waves */
-
-#define SOUND_CFL 0.4 /* (speed of sound + largest speed) times time step over h; no reference */
+/* time in which density errors are corrected, over h/U of the scene; a shorter time feeds sound waves */
+#define RELAXATION_RATIO 25
+#define MACH             0.1 /* the scene's velocity over the speed of sound: density within 1 % (Monaghan 1994) */
+#define DIFFUSION        0.1 /* delta of the diffusion delta h c lap rho of the density (Molteni & Colagrossi 2009) */
+#define SOUND_CFL        0.4 /* (speed of sound + largest speed) times time step over h; no reference */
 
 typedef struct {
   Consistent base;
-  PetscReal  speed, mach, diffusion;
+  PetscReal  speed;       /* of sound, m/s */
   PetscReal  lattice_sum; /* sum V W on a full lattice, 1 */
 } Compressible;
 
 static const OptionRow options[] = {
   CONSISTENT_ROWS,
-  {"-sound_speed", "Artificial speed of sound; 0: from the scene's velocity", "m/s", "[0, inf)", ROW_REAL,
+  {"-sound_speed", "Artificial speed of sound; 0: ten times the scene's velocity", "m/s", "[0, inf)", ROW_REAL,
    offsetof(Compressible, speed)},
-  {"-sound_mach", "The scene's velocity over the speed of sound", "1", "(0, 1]", ROW_REAL,
-   offsetof(Compressible, mach)},
-  {"-density_diffusion", "Delta of the diffusion delta h c lap rho of the density", "1", "[0, 1]", ROW_REAL,
-   offsetof(Compressible, diffusion)},
   {.name = NULL},
 };
 
@@ -54,7 +51,7 @@ static PetscErrorCode Check(Stepper stepper)
   PetscFunctionBegin;
   PetscCheckUser(s->speed > 0 || velocity > 0, stepper->cloud->comm,
                  "no motion or force in the scene determines a speed of sound: give -sound_speed (m/s)");
-  if (s->speed == 0) s->speed = velocity / s->mach;
+  if (s->speed == 0) s->speed = velocity / MACH;
   PressureLattice(stepper->cloud, &diagonal, &s->lattice_sum);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -66,7 +63,7 @@ static PetscErrorCode View(Stepper stepper, PetscViewer viewer)
   PetscFunctionBegin;
   PetscCall(ConsistentView(stepper, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "Sound: %g m/s, CFL %g, density diffusion %g\n", (double)s->speed, SOUND_CFL,
-                                   (double)s->diffusion));
+                                   DIFFUSION));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,7 +79,7 @@ static PetscErrorCode Diffusion(Cloud cloud, const Compressible *s, PetscReal ou
 {
   const PetscReal *p = cloud->field[FIELD_PRESSURE], *volume = cloud->volume;
   const PetscInt  *layer = cloud->integer[INT_LAYER];
-  const PetscReal  scale = 2 * s->diffusion * KernelSmoothingLength(cloud->kernel) * s->speed;
+  const PetscReal  scale = 2 * DIFFUSION * KernelSmoothingLength(cloud->kernel) * s->speed;
   PairRow          row;
 
   PetscFunctionBegin;
@@ -147,7 +144,7 @@ static PetscErrorCode Compress(Stepper stepper, PetscReal dt)
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOURCE), 0, 0, 0, 0));
   PetscCall(PetscMalloc2(cloud->n_rows, &rhs, cloud->n_fluid, &diffusion));
   PetscCall(PressureSource(stepper->pressure, dt, rhs));
-  if (rate && s->diffusion > 0)
+  if (rate)
     PetscCall(Diffusion(cloud, s, diffusion));
   else
     PetscCall(PetscArrayzero(diffusion, cloud->n_fluid));
@@ -220,8 +217,6 @@ static PetscErrorCode Create(Stepper stepper)
 
   PetscFunctionBegin;
   s->base.project = Project;
-  s->mach         = 0.1;
-  s->diffusion    = 0.1;
   PetscCall(ConsistentDefaults(stepper));
   stepper->relaxation_ratio = RELAXATION_RATIO;
   PetscCall(PressureSetTypes(stepper->pressure, SOURCE_DIVERGENCE, CLOSURE_FULL, GRADIENT_SYMMETRIC, PETSC_FALSE));

@@ -253,7 +253,7 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
 {
   const Domain    domain  = cloud->domain;
   CahnHilliard   *data    = tension->data;
-  const PetscReal support = KernelSupport(tension->kernel), radius = data->band * support + tension->spacing;
+  const PetscReal support = KernelSupport(tension->kernel), radius = support + tension->spacing;
   PetscReal       origin[DIM];
   PetscInt       *of, count;
 
@@ -311,7 +311,6 @@ static void SetDefaults(void *owner)
   CahnHilliard *data = ((Tension)owner)->data;
 
   data->calibration = 3.959;
-  data->band        = 1;
 }
 
 static PetscErrorCode Destroy(Tension tension)
@@ -326,8 +325,6 @@ static const char *const Densities[] = {"rest", "summed", NULL};
 static const OptionRow options[] = {
   {"-tension_calibration", "kappa/(sigma H); 3.959 fits a flat surface, 5.30 a flat film at H = 2.5 h", "1", "(0, inf)",
    ROW_REAL, offsetof(CahnHilliard, calibration)},
-  {"-tension_band", "Distance from the surface within which tension is evaluated, over 2H", "1", "(0, 2]", ROW_REAL,
-   offsetof(CahnHilliard, band)},
   {"-tension_density",
    "Density in phi and in the force of the stress: summed is Eq. (4), rest keeps the packing's noise out of the force",
    NULL, NULL, ROW_WORD, offsetof(CahnHilliard, summed), .words = Densities},

@@ -25,8 +25,9 @@
 /* Least n_a . n_b of normals on the same side of the liquid, which excludes the other side of a sheet. No reference. */
 #define SAME_SIDE 0.2
 /* Least 1 + s k with which a curvature at the depth s is carried to the surface. No reference. */
-#define THINNEST 0.3
-#define ROUNDS   5 /* steps of Newton's method in Together */
+#define THINNEST   0.3
+#define SHARPENING 2 /* S of Sharpen, which has the measurement */
+#define ROUNDS     5 /* steps of Newton's method in Together */
 /* Least number of normals of a fit: one more than it has coefficients. */
 #define FEWEST_NORMALS (DIM + 2)
 /* Added to the fit's matrix, relative to its trace, so that normals along a line give no NaN. */
@@ -554,18 +555,17 @@ static PetscErrorCode TakeMean(Tension tension, Cloud cloud, const PetscReal nor
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Approximate deconvolution (van Cittert): f + c (f - mean f) for f = value ([n_total], Pa), ghosts current before and
+/* Approximate deconvolution (van Cittert): f + S (f - mean f) for f = value ([n_total], Pa), ghosts current before and
    after. It restores variations of the curvature over a few H that normals, fit and mean have smoothed; before or after
-   the mean makes no difference. With c = 2 the period of a drop's second mode is right to 3 % at R/d0 = 8; without, it
+   the mean makes no difference. With S = 2 the period of a drop's second mode is right to 3 % at R/d0 = 8; without, it
    is 15 to 20 % too long. */
 static PetscErrorCode Sharpen(Tension tension, Cloud cloud, const PetscReal normal[], PetscReal value[])
 {
-  const Curvature *data = tension->data;
-  PetscReal       *mean = cloud->field[FIELD_CAPILLARY]; /* zero for owned particles without a normal, like the value */
+  PetscReal *mean = cloud->field[FIELD_CAPILLARY]; /* zero for owned particles without a normal, like the value */
 
   PetscFunctionBegin;
   PetscCall(TakeMean(tension, cloud, normal, value, mean, NULL));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] += data->sharpening * (value[a] - mean[a]);
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) value[a] += SHARPENING * (value[a] - mean[a]);
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -685,7 +685,7 @@ PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
   if (!phase) PetscCall(MarangoniAdd(tension, cloud, normal));
-  if (data->sharpening > 0) PetscCall(Sharpen(tension, cloud, normal, scalar));
+  PetscCall(Sharpen(tension, cloud, normal, scalar));
   PetscCall(
     TakeMean(tension, cloud, normal, scalar, cloud->field[FIELD_CAPILLARY], cloud->field[FIELD_CAPILLARY_SLOPE]));
   PetscCall(CloudRestoreWork(cloud, &scalar));

@@ -58,8 +58,6 @@ typedef struct {
 /* The data of the model. */
 typedef struct {
   PetscBool   sheets; /* sheet.c is used */
-  PetscReal   sharpening;
-  PetscReal   slender; /* for rings: see loose.c */
   Contacts    contact;
   Images      images;
   SolidImages solid;
@@ -127,9 +125,7 @@ PetscErrorCode SheetPull(Tension tension, Cloud cloud, const Phase *phase, Petsc
 
 /* LooseFind - sets 'loose' from the rings' positions and neighbours. Collective. LooseHas - whether ring a is
    loose; false for other particles. Not collective. */
-PetscErrorCode LooseFind(Tension tension, Cloud cloud);
-/* LooseSetFromOptions - reads -tension_slender. Collective. */
-PetscErrorCode          LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObject);
+PetscErrorCode          LooseFind(Tension tension, Cloud cloud);
 static inline PetscBool LooseHas(Tension tension, PetscInt a)
 {
   const Curvature *data = tension->data;

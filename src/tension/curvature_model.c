@@ -8,7 +8,6 @@
 /* The curvature is smoothed over H, so short waves are slow: forces at the middle of the step are stable up to 7.6 to
    8.5 times the unit (-spectrum); rings at rest move more than they should from 6 on. */
 #define STEP_MOST 4
-#define SLENDER   5 /* default of -tension_slender: see loose.c */
 
 /* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
 static PetscErrorCode CurvatureSetUp(void *owner)
@@ -48,18 +47,10 @@ static PetscErrorCode TensionApply_Curvature(Tension tension, Cloud cloud)
   Curvature *data = tension->data;
 
   PetscFunctionBegin;
-  if (tension->rings && data->slender > 0) PetscCall(LooseFind(tension, cloud));
+  if (tension->rings) PetscCall(LooseFind(tension, cloud));
   if (data->contact.lines_move) PetscCall(MovingLines.start(data->contact.lines, cloud, &data->contact.bend));
   PetscCall(tension->surfaces ? tension->surfaces(tension, cloud) : TensionSurface(tension, cloud, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void SetDefaults(void *owner)
-{
-  Curvature *data = ((Tension)owner)->data;
-
-  data->sharpening = 2;
-  data->slender    = SLENDER;
 }
 
 static PetscErrorCode Destroy(Tension tension)
@@ -81,23 +72,9 @@ static PetscErrorCode Destroy(Tension tension)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const OptionRow options[] = {
-  {"-tension_sharpening", "Factor of the deconvolution that sharpens the curvature; 0: none", "1", "[0, 4]", ROW_REAL,
-   offsetof(Curvature, sharpening)},
-  {.name = NULL},
-};
-
-static PetscErrorCode ReadMore(Tension tension, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(LooseSetFromOptions(tension, PetscOptionsObject));
-  PetscCall(ContactSetFromOptions(tension, PetscOptionsObject));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 const TensionModel TensionCurvature = {
-  .choice     = {TENSION_CURVATURE, sizeof(Curvature), options, SetDefaults, CurvatureSetUp},
-  .more       = ReadMore,
+  .choice     = {TENSION_CURVATURE, sizeof(Curvature), NULL, NULL, CurvatureSetUp},
+  .more       = ContactSetFromOptions,
   .apply      = TensionApply_Curvature,
   .destroy    = Destroy,
   .on_surface = PETSC_TRUE,

@@ -6,6 +6,8 @@
 #include "curvature.h"
 
 #define CONNECTION 1.5 /* spacings: a wider gap separates pieces */
+/* R/a from which waves of a rim as corrugated as a crown's, 7 sqrt(rho a^3/sigma), are faster than the contraction */
+#define SLENDER 5
 
 /* Quantities of a piece whose smallest value is sought. */
 enum { LEAST_R, LEAST_MINUS_R, LEAST_Z, LEAST_MINUS_Z, LEAST_FREE, LEAST_COUNT = 6 }; /* ghosts know 1, 3 or 6 */
@@ -21,22 +23,6 @@ static PetscBool IsHeld(Cloud cloud, PetscInt a)
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++)
     if (cloud->integer[INT_LAYER][cloud->list[k]] > 0) return PETSC_TRUE;
   return PETSC_FALSE;
-}
-
-static const OptionRow slender[] = {
-  {"-tension_slender",
-   "Radius of a ring in flight, over that of its section, above which it counts as a row of drops without a pull "
-   "towards the axis; 0: no ring does",
-   "1", "[0, inf)", ROW_REAL, offsetof(Curvature, slender)},
-  {.name = NULL},
-};
-
-PetscErrorCode LooseSetFromOptions(Tension tension, OptionItems PetscOptionsObject)
-{
-  PetscFunctionBegin;
-  PetscCall(OptionsReadIf(PetscOptionsObject, tension->rings, "-dimension axisymmetric", slender,
-                          "TensionSetFromOptions", tension->data));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode LooseFind(Tension tension, Cloud cloud)
@@ -65,7 +51,7 @@ PetscErrorCode LooseFind(Tension tension, Cloud cloud)
     const PetscReal *of = least + LEAST_COUNT * a, radius = 0.5 * (of[LEAST_R] - of[LEAST_MINUS_R]),
                     width = -0.5 * PetscMin(of[LEAST_R] + of[LEAST_MINUS_R], of[LEAST_Z] + of[LEAST_MINUS_Z]);
 
-    data->loose[a] = (PetscBool)(of[LEAST_FREE] > 0 && radius > data->slender * width);
+    data->loose[a] = (PetscBool)(of[LEAST_FREE] > 0 && radius > SLENDER * width);
   }
   PetscCall(PetscFree2(least, parent));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -53,10 +53,11 @@ static PetscErrorCode ReadModel(void *object, const Choice *choice)
   tension->model = (const TensionModel *)choice;
   PetscCall(PetscCalloc(choice->size, &tension->data));
   if (choice->defaults) choice->defaults(tension);
-  if (!choice->options) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!choice->options && !tension->model->more) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(title, sizeof(title), "Surface tension with -tension_type %s", choice->name));
   PetscOptionsBegin(tension->comm, NULL, title, "Tension");
-  PetscCall(OptionsRead(PetscOptionsObject, choice->options, "TensionSetFromOptions", tension->data));
+  if (choice->options)
+    PetscCall(OptionsRead(PetscOptionsObject, choice->options, "TensionSetFromOptions", tension->data));
   if (tension->model->more) PetscCall(tension->model->more(tension, PetscOptionsObject));
   PetscOptionsEnd();
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -24,9 +24,9 @@ typedef struct _p_Tension *Tension;
 /* TensionCreate - creates the tension of a scene's bodies. Borrows the scene. Its model is known after
    TensionSetFromOptions; before, no other function may be called but TensionDestroy. Collective. */
 PetscErrorCode TensionCreate(Domain domain, Scene scene, Kernel kernel, Tension *tension);
-/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -tension_sharpening,
-   -wall_contact_angle, -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard: -tension_calibration
-   (kappa/(sigma H)), -tension_band. Collective. */
+/* TensionSetFromOptions - -tension_type, -tension_ratio (H/h); curvature: -wall_contact_angle,
+   -box_<face>_contact_angle, -wall_contact_hysteresis; cahn_hilliard: -tension_calibration (kappa/(sigma H)).
+   Collective. */
 PetscErrorCode TensionSetFromOptions(Tension tension);
 /* TensionReach - the range (m) in which the model needs neighbours; 0 without tension in the scene. Not collective. */
 PetscReal TensionReach(Tension tension);

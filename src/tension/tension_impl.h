@@ -115,7 +115,7 @@ static inline void AtScales(const At *at, PetscInt dim, Kernel kernel, PetscReal
 
 /* --- cahn_hilliard.c --- */
 typedef struct {
-  PetscReal calibration, band;
+  PetscReal calibration;
   PetscBool summed;               /* density; else rest density */
   CellMask  near;                 /* where the model is evaluated */
   PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */

@@ -93,7 +93,7 @@ for word, option in SYNONYMS.items():
 text = runs.start("-help -pc_type sor").stdout
 runs.check("-ksp_rtol" in text and "-pc_sor_omega" in text and "-pc_gamg" not in text, "help_on_the_solver",
            text[-600:])
-text = runs.start("-help_on rewrites -dry_run")
+text = runs.start("-help rewrites -dry_run")
 runs.check(text.returncode and "no option has that" in text.stderr, "help_on_nothing", text.stderr)
 meaning = runs.start(["-help", "body force"]).stdout
 runs.check("-packing_relaxation_time" in meaning, "help_on_a_meaning", meaning[:600])

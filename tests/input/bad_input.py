@@ -79,7 +79,7 @@ def core():
                         ("-mg_levels_ksp_max_itt", "-mg_levels_ksp_max_it?"), ("-time_stpe", "-time_step?"),
                         ("-spectrumm", "-spectrum?"), ("-rotation_rate", "-drop_rotation_rate?"),
                         ("-drop_rotation_rate", "it belongs to -drop_velocity_type rotation"),
-                        ("-packing_distance", "it belongs to -packing_type poisson"),
+                        ("-packing_tolerance", "it belongs to -packing_type poisson"),
                         ("-pc_gamg_threshold", "it belongs to -pc_type gamg"),
                         ("-pc_ml_Threshold", "it belongs to -pc_type ml")):
         refused(f"meant_by{name}", BOX + DROP + f"{name} 7", [name, meant])

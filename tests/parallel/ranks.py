@@ -51,7 +51,7 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3
  -a_tension 0.067
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
- -time_step 8e-5 -resampling_interval 3 """
+ -time_step 8e-5 """
 # The same of different sizes.
 GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
  -viscosity_solver implicit -viscous_ksp_rtol 1e-13 """
@@ -62,10 +62,10 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -film_viscosity 3.5e-3 -film_tension 0.067 -drop_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2 -time_step 4e-5
- -resampling_interval 3 -resampling_alone 0.9 """
+ """
 # The spacing follows surfaces: particles of both bodies split and join.
 FOLLOWING = (GRADED.split("-fine")[0] + "-spacing_growth 0.2 -spacing_follow curvature "
-             "-time_step 4e-5 -resampling_interval 3 ")
+             "-time_step 4e-5 ")
 FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A drop that wets the floor, is repelled by a wall that has an angle of its own, and by a ball that moves.
 WETTED = """-spacing 0.8e-3 -box_lower 0,0,0 -box_upper 12e-3,9.6e-3,8e-3 -box_x wall -box_y periodic -box_zmin wall

@@ -49,6 +49,7 @@ class Scene:
         low = -4 if self.place == "free" else -0.8 if self.place == "periodic" and self.kind == "2" else 0
         high = {"free": 4, "mirror": 3.2}.get(self.place, 0.8 if self.dim == 3 or low < 0 else 1.6)
         least = [0.0 if self.rings or self.place == "mirror" else -x for x in half]
+        self.width = half[0] - least[0]
         self.low = tuple(least[:self.dim - 1]) + (low,)
         self.set("box_lower", *self.low)
         self.set("box_upper", *half[:self.dim - 1], high)
@@ -154,8 +155,10 @@ class Scene:
             self.set("a_velocity", *self.vector(0, 2))
 
     def vortices(self, name):
-        self.set(f"{name}_velocity_type", "taylor_green")
-        self.set(f"{name}_taylor_green_amplitude", 1)
+        self.set(f"{name}_velocity_type", "formula")
+        k = f"2*pi/{self.width!r}"
+        self.set(f"{name}_velocity_formula",
+                 f"0-cos({k}*x)*sin({k}*y),sin({k}*x)*cos({k}*y)" + ",0" * (self.dim == 3))
 
     def uniform(self, name):
         self.set(f"{name}_velocity", *((0, 0.5) if self.rings else (1, 0.5) if self.dim == 2 else (1, 0.5, 0.2)))

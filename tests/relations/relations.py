@@ -518,7 +518,7 @@ def stream(t):
         raise Unfit("no axis is periodic")
     if scene.names("fine") or {"emitter", "poisson"} & set(scene.options.values()) or (
             {"central_force_rate", "frame_rotation_rate"} & set(scene.options)) or any(
-                name.endswith(("_motion_file", "_taylor_green_amplitude")) for name in scene.options):
+                name.endswith(("_motion_file", "_velocity_formula")) for name in scene.options):
         raise Unfit("something stands where it is, or has a table of its motion")
     if scene.options.get("scheme", "consistent") != "consistent":
         raise Unfit("its steps or its speed of sound follow from the scene's speeds")

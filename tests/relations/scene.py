@@ -208,12 +208,10 @@ def mapped(scene, matrix, shift):
             changed[name] = (matrix @ rate @ matrix.T).ravel()
         elif what == "radii":
             changed[name] = abs(matrix @ scene.vector(name)[:n])
-        elif what in ("motion_file", "velocity_file", "file"):
+        elif what in ("motion_file", "velocity_file", "velocity_formula", "file"):
             raise Unfit(f"-{name}: the places of a file are not seen from elsewhere")
         elif what == "inertia" and value.count(","):
             changed[name] = abs(matrix @ scene.vector(name)[:n])
-        elif what == "taylor_green_amplitude":
-            raise Unfit(f"-{name}: the vortices stand where the origin is")
         elif what in ("wave_amplitude",) and not np.array_equal(matrix, np.eye(n)):
             raise Unfit(f"-{name}: a wave has its crest where x is least, its poles up")
         elif name == "central_force_rate" and shift.any():
@@ -256,7 +254,7 @@ def scaled(scene, length, time, mass):
             continue  # PETSc's: numbers without a unit
         if what not in powers:
             raise Unfit(f"-{name} is none of ours")
-        if what in ("motion_file", "velocity_file", "file"):
+        if what in ("motion_file", "velocity_file", "velocity_formula", "file"):
             raise Unfit(f"-{name}: the numbers of a file stay in their units")
         if what in ("viscosity_model",) and value in ("power_law", "herschel_bulkley"):
             raise Unfit(f"-{name} {value}: its consistency has no power of two")

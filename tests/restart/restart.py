@@ -16,7 +16,7 @@ IMPACT = """-spacing 1e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box
  -box_zmin wall -gravity 0,0,-9.81 -bodies film,drop -film_lower 0,0,-6e-3 -film_upper 12e-3,12e-3,0
  -film_viscosity 3.5e-3 -film_tension 0.067 -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,5.8e-3
  -drop_velocity 1,0.5,-3 -drop_tension 0.067 -snapshot_double -checkpoint_interval 7e-4 -series_interval 1e-4
- -snapshot_interval 3e-4 -gauge_crater -gauge_pool film -gauge_axis 6e-3,6e-3 -gauge_droplets -gauge_forces
+ -snapshot_interval 3e-4 -gauge_crater -gauge_axis 6e-3,6e-3 -gauge_droplets -gauge_forces
  -gauge_spread -gauge_neck z -gauge_film 0,6e-3,9e-3,6e-3 """
 PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
  -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
@@ -41,7 +41,7 @@ TORI = """-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 3
  -gravity 0,-9.81 -bodies a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_viscosity 3.5e-3
  -a_tension 0.067
  -b_shape sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_viscosity 3.5e-3 -b_tension 0.067
- -time_step 8e-5 -resampling_interval 3 -snapshot_double -checkpoint_interval 1.1e-3
+ -time_step 8e-5 -snapshot_double -checkpoint_interval 1.1e-3
  -series_interval 1e-4 """
 # Rings of different sizes, of which the first joins and splits some across the border of what is fine.
 GRADED_TORI = TORI + """-spacing_coarse 2e-3 -spacing_growth 0.2 -fine core -core_lower 0,-4e-3 -core_upper 5e-3,12e-3
@@ -52,11 +52,10 @@ GRADED = """-spacing 1e-3 -spacing_coarse 1.8e-3 -box_lower 0,0,-6e-3 -box_upper
  -film_tension 0.067 -drop_tension 0.067
  -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,4e-3 -drop_velocity 1,0.5,-3 -snapshot_double
  -fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3 -spacing_growth 0.2
- -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4
- -resampling_interval 3 -resampling_alone 0.9 """
+ -checkpoint_interval 7e-4 -series_interval 1e-5 -snapshot_interval 3e-4 """
 # The spacing follows surfaces.
 FOLLOWING = GRADED.replace("-fine core -core_shape sphere -core_radius 4e-3 -core_center 6e-3,0,2e-3",
-                           "-spacing_follow curvature").replace("-resampling_alone 0.9", "")
+                           "-spacing_follow curvature")
 FOLLOWING_TORI = TORI + "-spacing_coarse 2e-3 -spacing_growth 0.2 -spacing_follow surface "
 # A lens of one liquid on another.
 LENS = """-dimension 2 -spacing 1e-3 -box_lower 0,0 -box_upper 16e-3,12e-3 -box_x wall -box_ymin wall -gravity 0,-9.81

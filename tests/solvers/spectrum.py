@@ -12,8 +12,8 @@ import runs  # noqa: E402
 
 NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?|nan)"
 BOX = """-dimension 3 -spacing 0.1 -box_lower 0,0,0 -box_upper 1,1,1 -box_x periodic -box_y periodic -box_z periodic
- -bodies water -water_shape box -water_density 1 -water_viscosity 0.01 -water_velocity_type taylor_green
- -water_taylor_green_amplitude 1 -checkpoint_interval 0 -packing_jitter 0"""
+ -bodies water -water_shape box -water_density 1 -water_viscosity 0.01 -water_velocity_type formula
+ -water_velocity_formula 0-cos(2*pi*x)*sin(2*pi*y),sin(2*pi*x)*cos(2*pi*y),0 -checkpoint_interval 0 -packing_jitter 0"""
 FILM = ("-options_file cases/film_at_rest/case.opts -box_lower -2e-3,-2e-3,-10e-3 -box_upper 2e-3,2e-3,5e-3 "
         "-film_lower -2e-3,-2e-3,-10e-3 -film_upper 2e-3,2e-3,0 -steps_max 2 -packing_jitter 0")
 DROP = """-dimension 3 -box_lower -2e-3,-2e-3,-2e-3 -box_upper 2e-3,2e-3,2e-3 -bodies drop -drop_shape sphere

@@ -24,7 +24,8 @@ SCENES = {
         "-drop_velocity 1,-2 -drop_tension 1 -time_step 2e-3 " + COMMON,
     # a full box without a free surface, whose pressure is known up to a constant
     "closed": "-dimension 3 -spacing 0.2 -box_lower 0,0,0 -box_upper 1,1,1 -box_y symmetry -box_z wall -bodies water "
-              "-water_density 1000 -water_velocity_type taylor_green -water_taylor_green_amplitude 1 -time_step 5e-3 " +
+              "-water_density 1000 -water_velocity_type formula -water_velocity_formula "
+              "0-cos(2*pi*x)*sin(2*pi*y),sin(2*pi*x)*cos(2*pi*y),0 -time_step 5e-3 " +
               COMMON.replace("-drop_shape sphere ", ""),
 }
 REFERENCE = "-ksp_rtol 1e-10"

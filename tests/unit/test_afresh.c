@@ -16,9 +16,9 @@
 /* Two rings of liquid that join and split, over a floor; the axis is a crater's. */
 #define RESAMPLED                                                                                                      \
   "-dimension axisymmetric -spacing 1e-3 -box_lower 0,-10e-3 -box_upper 30e-3,12e-3 -box_ymin wall -gravity 0,-9.81 "  \
-  "-bodies a,b,pool -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_tension 0.067 -b_shape "      \
+  "-bodies pool,a,b -a_shape sphere -a_radius 2.6e-3 -a_center 4e-3,0 -a_velocity 3,0 -a_tension 0.067 -b_shape "      \
   "sphere -b_radius 2.6e-3 -b_center 16e-3,7e-3 -b_velocity -3,-2 -b_tension 0.067 -pool_lower 0,-10e-3 -pool_upper "  \
-  "30e-3,-6e-3 -pool_tension 0.067 -resampling_interval 3 -time_step 4e-5 -gauge_crater -gauge_pool pool"
+  "30e-3,-6e-3 -pool_tension 0.067 -time_step 4e-5 -gauge_crater"
 /* A jet onto an inclined plate. */
 #define EMITTED                                                                                                        \
   "-dimension 2 -spacing 0.1 -box_lower -2,-2 -box_upper 2,2 -bodies jet -jet_type emitter -jet_lower -0.3,0.6 "       \

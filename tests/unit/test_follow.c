@@ -100,7 +100,6 @@ static PetscErrorCode TestKept(void)
 {
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscReal        before[5], after[5];
   PetscInt         joined = 0, split = 0;
@@ -115,12 +114,11 @@ static PetscErrorCode TestKept(void)
   PetscCall(CloudResync(s.cloud));
   PetscCall(CheckFloor(&s, 2, "the first floor has no gap"));
   SumLiquid(s.cloud, before);
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
   FollowOf(s.domain)->what = FOLLOW_CURVATURE;
   for (PetscInt k = 0; k < 6; k++) {
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
     PetscCall(CheckFloor(&s, 4, "nor the floor of coarse liquid"));
     joined += report.joined;
     split += report.split;
@@ -138,7 +136,7 @@ static PetscErrorCode TestKept(void)
   for (PetscInt k = 0; k < 8; k++) {
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
     PetscCall(CheckFloor(&s, 4, "nor that of finer liquid"));
     split += report.split - report.joined;
   }
@@ -364,7 +362,6 @@ static PetscErrorCode TestCarried(void)
 {
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscReal        before[FIELD_STORED_COUNT], after[FIELD_STORED_COUNT];
 
@@ -373,7 +370,6 @@ static PetscErrorCode TestCarried(void)
                            "-film_upper 40,40,10 -wall_contact_law cox_voinov -film_viscosity_model carreau "
                            "-film_viscosity_infinite 0.1 -film_viscosity_time 1 -film_viscosity_exponent 0.5 ",
                       &s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
   for (PetscInt turn = 0; turn < 2; turn++) {
     PetscCall(ParticlesOpen(s.particles, &arrays));
     for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
@@ -387,7 +383,7 @@ static PetscErrorCode TestCarried(void)
     FollowOf(s.domain)->what = turn ? FOLLOW_SURFACE : FOLLOW_CURVATURE;
     PetscCall(SetupMoments(&s));
     PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY_GRADIENT], DIM * DIM * s.cloud->n_owned));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
     CHECK((turn ? report.split : report.joined) > 100, turn ? "many split" : "many join");
     SumCarried(s.cloud, after);
     for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)

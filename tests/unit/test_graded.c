@@ -512,7 +512,6 @@ static PetscErrorCode TestRings(void)
 {
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscReal        share[2], before[2], after[2], first = 0, error = 0, mean = 0;
 
@@ -534,11 +533,10 @@ static PetscErrorCode TestRings(void)
   PetscCall(CloudResync(s.cloud));
   SumRings(s.cloud, share, before);
   CHECK(share[0] < 0.35 && share[1] > 1.6, "rings that are thin or fat");
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
   for (PetscInt k = 0; k < 6; k++) {
     PetscCall(SetupMoments(&s));
     PetscCall(SetupDivergence(&s));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
     if (k == 0) first = (PetscReal)PetscMin(report.joined, report.split);
   }
   SumRings(s.cloud, share, after);
@@ -564,7 +562,6 @@ static PetscErrorCode TestJoin(void)
                                "-bodies a -fine core -core_shape sphere -core_radius 1 ";
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscReal        x[3] = {0, 0, 0}, joined = 0;
 
@@ -583,8 +580,7 @@ static PetscErrorCode TestJoin(void)
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
   PetscCall(SetupDivergence(&s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK(report.joined == 1 && report.split == 1, "rings of two sizes join, a fat one splits");
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     const PetscReal *at = s.cloud->field[FIELD_POSITION] + DIM * a;

@@ -30,7 +30,6 @@ static PetscErrorCode TestAlone(void)
   enum { ALONE = 9, FLIES, OTHER, COUNT };
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscInt         n, joined = 0;
   PetscMPIInt      rank;
@@ -41,9 +40,8 @@ static PetscErrorCode TestAlone(void)
   PetscCall(SetupPack(POOL "-bodies film,drop -drop_shape sphere -drop_radius 2 -drop_center 18,4,18 -drop_density 9 "
                            "-film_density 1 -drop_viscosity 1 -film_viscosity 1 ",
                       &s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
   PetscCall(SetupMoments(&s));
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK_CLOSE(report.joined, 0, 0, "no particle of a grading is alone");
   PetscCall(ParticlesLocalSize(s.particles, &n));
   PetscCall(ParticlesAppend(s.particles, rank ? 0 : COUNT));
@@ -63,7 +61,7 @@ static PetscErrorCode TestAlone(void)
   SumLiquid(s.cloud, before);
   for (PetscInt k = 0; k < 5; k++) {
     PetscCall(SetupMoments(&s));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
     CHECK(report.split == 0, "graded particles do not split");
     joined += report.joined;
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) most = PetscMax(most, s.cloud->size[a]);
@@ -87,41 +85,37 @@ static PetscErrorCode TestAlone(void)
   PetscCall(ParticlesClose(s.particles, &arrays));
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK_CLOSE(report.joined, 0, 0, "particles as large as may be take up no more");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A particle of one spacing with a coarse one beside it and nothing else: its volume, 1, over that of its support, a
-   sphere of 2.6, is the share below which it counts as alone. */
-static PetscErrorCode TestShare(PetscReal over, PetscInt joined, const char name[])
+/* Particles of one spacing with a coarse one beside them and nothing else: up to nine of them fill less than an eighth
+   of a support, a sphere of 2.6. */
+static PetscErrorCode TestShare(PetscInt n, PetscInt joined, const char name[])
 {
-  const PetscReal  x[2 * DIM] = {10, 10, 10, 12, 10, 10};
-  char             options[512];
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscMPIInt      rank;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(options, sizeof(options), "%s -resampling_alone %.9g", POOL,
-                          (double)(over / (4. / 3 * PETSC_PI * 2.6 * 2.6 * 2.6))));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(SetupOpen(options, &s));
-  PetscCall(ParticlesAppend(s.particles, rank ? 0 : 2));
+  PetscCall(SetupOpen(POOL, &s));
+  PetscCall(ParticlesAppend(s.particles, rank ? 0 : n + 1));
   PetscCall(ParticlesOpen(s.particles, &arrays));
-  PetscCall(PetscArraycpy(arrays.real[FIELD_POSITION], x, DIM * arrays.n));
   for (PetscInt a = 0; a < arrays.n; a++) {
-    arrays.real[FIELD_VOLUME][a] = a ? 64 : 1;
+    arrays.real[FIELD_POSITION][DIM * a]     = a < n ? 10 + 0.1 * (PetscReal)a : 12;
+    arrays.real[FIELD_POSITION][DIM * a + 1] = arrays.real[FIELD_POSITION][DIM * a + 2] = 10;
+
+    arrays.real[FIELD_VOLUME][a] = a < n ? 1 : 64;
     arrays.integer[INT_ID][a] = arrays.integer[INT_PARENT][a] = a;
   }
   PetscCall(ParticlesClose(s.particles, &arrays));
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK_CLOSE(report.joined, joined, 0, name);
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -132,8 +126,8 @@ int main(int argc, char **argv)
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(LogRegister());
   PetscCall(TestAlone());
-  PetscCall(TestShare(0.95, 0, "a share above the least is company"));
-  PetscCall(TestShare(1.05, 1, "a share below the least is alone"));
+  PetscCall(TestShare(10, 0, "more than an eighth of a support is company"));
+  PetscCall(TestShare(9, 1, "less is not: one joins the coarse particle"));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();

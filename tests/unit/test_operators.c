@@ -549,7 +549,7 @@ static PetscErrorCode TestTension(void)
   for (PetscInt k = 0; k < n; k++)
     for (PetscInt d = 0; d < 2; d++) points[DIM * k + d] += 6;
   PetscCall(SetupFill("-spacing 1 -box_lower 0,0,-20 -box_upper 12,12,20 -box_x periodic -box_y periodic -bodies a "
-                      "-a_tension 2 -tension_type cahn_hilliard -tension_band 2",
+                      "-a_tension 2 -tension_type cahn_hilliard",
                       n, points, 0, &s));
   PetscCall(SetupMoments(&s));
   cloud = s.cloud;

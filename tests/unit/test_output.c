@@ -295,7 +295,10 @@ static PetscErrorCode CheckRefusals(void)
   PetscCall(Refused(RUN_OPTIONS "-output_dir " FOLDER "/series.csv/below", NULL, "Cannot write into the folder",
                     "refuse: a folder below a file"));
   PetscCall(Refused(RUN_OPTIONS "-series_interval -1", NULL, "-series_interval", "refuse: a negative interval"));
-  PetscCall(Refused(RUN_OPTIONS "-gauge_pool sea", NULL, "-gauge_pool", "refuse: a pool that is no body"));
+#if !defined(PETSC_USE_64BIT_INDICES) /* not taken for its last 32 bits */
+  PetscCall(Refused(RUN_OPTIONS "-gauge_lines 0,0,1,1 -gauge_line_points 4294967297", NULL,
+                    "-gauge_line_points is 4294967297", "refuse: a wrapped number"));
+#endif
   PetscCall(Refused(RUN_OPTIONS "-gauge_axis 0,0", NULL, "-gauge_axis", "refuse: an axis of two numbers in the plane"));
   PetscCall(Refused(RUN_OPTIONS, FOLDER "/none.h5", "no readable file", "refuse: a missing checkpoint"));
   PetscCall(Refused(RUN_OPTIONS, FOLDER "/series.csv", "not a checkpoint", "refuse: a text file"));

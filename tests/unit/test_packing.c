@@ -222,13 +222,12 @@ static PetscErrorCode TestPoisson(void)
   CHECK(range[0] > -1.5e-3 && range[1] < 1.5e-3, "drop: inside the sphere");
   PetscCall(SetupClose(&s));
 
-  PetscCall(SetupPackOn(PETSC_COMM_WORLD,
-                        FILM "-packing_type poisson -packing_distance 0.5 -packing_tolerance 1e-3 -packing_cache \"\"",
-                        &s));
+  PetscCall(
+    SetupPackOn(PETSC_COMM_WORLD, FILM "-packing_type poisson -packing_tolerance 1e-3 -packing_cache \"\"", &s));
   PetscCall(Fluid(&s, 2, &count, range));
   CHECK_CLOSE(count, 480, 1, "film: as many particles as fit its volume");
   CHECK(s.report.density_std <= 1.001, "film: standard deviation below -packing_tolerance, between walls and images");
-  CHECK(s.report.smallest_distance >= 0.5, "film: nobody closer than -packing_distance");
+  CHECK(s.report.smallest_distance >= 0.6, "film: nobody too close");
   CHECK(range[0] > 0 && range[1] < 0.5, "film: between floor and surface");
   PetscCall(SetupClose(&s));
 
@@ -360,10 +359,10 @@ static PetscErrorCode TestKeys(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The numbers of a Poisson packing are in its key, too: the cache is not read. */
+/* The tolerance of a Poisson packing is in its key, too: the cache is not read. */
 static PetscErrorCode TestKeysOfPoisson(void)
 {
-  static const char *const changes[] = {"", "", "-packing_distance 0.55", "-packing_tolerance 6e-3"};
+  static const char *const changes[] = {"", "", "-packing_tolerance 6e-3"};
   char                     options[512];
 
   PetscFunctionBeginUser;

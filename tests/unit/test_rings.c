@@ -488,7 +488,6 @@ static PetscErrorCode TestNarrow(void)
 {
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
 
   PetscFunctionBegin;
@@ -501,10 +500,9 @@ static PetscErrorCode TestNarrow(void)
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
   PetscCall(SetupDivergence(&s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  CHECK(ResamplingDue(&resampling, 1, SetupMax(s.cloud->n_owned ? ResamplingArea(s.cloud, 0) : 0)),
+  CHECK(ResamplingDue(1, SetupMax(s.cloud->n_owned ? ResamplingArea(s.cloud, 0) : 0)),
         "resampling_does_not_wait_for_a_ring_that_is_far_too_fat");
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK(report.split == 1, "resampling_splits_where_there_is_little_room");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -516,7 +514,6 @@ static PetscErrorCode TestResampling(void)
 {
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   Sums             before, after;
 
@@ -536,11 +533,9 @@ static PetscErrorCode TestResampling(void)
   PetscCall(PetscArraycpy(s.cloud->field[FIELD_VELOCITY_STAR], s.cloud->field[FIELD_VELOCITY], DIM * s.cloud->n_total));
   PetscCall(SetupDivergence(&s));
   before = SumUp(&s);
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  CHECK(!ResamplingDue(&resampling, 9, 1.7) && ResamplingDue(&resampling, 10, 1.7) &&
-          !ResamplingDue(&resampling, 11, 1.7),
+  CHECK(!ResamplingDue(9, 1.7) && ResamplingDue(10, 1.7) && !ResamplingDue(11, 1.7),
         "resampling_is_due_at_its_interval");
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   after = SumUp(&s);
   CHECK(report.joined > 50 && report.split > 20, "resampling_joins_and_splits");
   CHECK(after.count == before.count - report.joined + report.split, "resampling_counts");
@@ -555,7 +550,7 @@ static PetscErrorCode TestResampling(void)
   for (PetscInt k = 0; k < 5; k++) { /* of three in a row one waits for the next time */
     PetscCall(SetupMoments(&s));
     PetscCall(SetupDivergence(&s));
-    PetscCall(Resample(s.cloud, &resampling, &report));
+    PetscCall(Resample(s.cloud, &report));
   }
   after = SumUp(&s);
   CHECK(before.least < 0.35 && after.least > 0.55 && after.count < 0.9 * before.count, "resampling_joins_the_thin");
@@ -579,7 +574,7 @@ static PetscErrorCode TestSheet(PetscReal slope)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(SetupOpen("-dimension axisymmetric -spacing 1 -box_lower 0,-40 -box_upper 50,40 -bodies a -a_density 1 "
-                      "-a_tension 1 -tension_slender 0 ",
+                      "-a_tension 1 ",
                       &s));
   PetscCall(ParticlesAppend(s.particles, rank ? 0 : 20));
   PetscCall(ParticlesOpen(s.particles, &arrays));
@@ -596,7 +591,7 @@ static PetscErrorCode TestSheet(PetscReal slope)
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
-  PetscCall(TensionApply(s.tension, s.cloud));
+  PetscCall(TensionSurface(s.tension, s.cloud, NULL)); /* the sheet is no ring in flight */
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     const PetscReal *x = s.cloud->field[FIELD_POSITION] + DIM * a, *pull = s.cloud->field[FIELD_ACCELERATION] + DIM * a;
 
@@ -619,7 +614,6 @@ static PetscErrorCode TestBodies(PetscBool same)
   const PetscReal  x[2 * DIM] = {8, 0, 0, 8.7, 0, 0};
   Setup            s;
   ParticleArrays   arrays;
-  Resampling       resampling;
   ResamplingReport report;
   PetscMPIInt      rank;
 
@@ -638,8 +632,7 @@ static PetscErrorCode TestBodies(PetscBool same)
   PetscCall(CloudResync(s.cloud));
   PetscCall(SetupMoments(&s));
   PetscCall(SetupDivergence(&s));
-  PetscCall(ResamplingSetFromOptions(s.cloud, &resampling));
-  PetscCall(Resample(s.cloud, &resampling, &report));
+  PetscCall(Resample(s.cloud, &report));
   CHECK(report.joined == (same ? 1 : 0), same ? "small_rings_of_one_body_join" : "small_rings_of_two_bodies_do_not");
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);

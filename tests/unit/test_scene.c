@@ -267,10 +267,11 @@ static PetscErrorCode TestVelocities(void)
   PetscCall(CheckVelocity(CUBE BALL "-a_velocity_type strain -a_strain_rate 0,0,10,0,0,0,0,0,0 -a_strain_center 0,0,-1 "
                                     "-a_velocity 0,1,0",
                           x, 9, 1, 0, "velocity_shear"));
-  PetscCall(CheckVelocity(SQUARE BALL
-                          "-a_velocity_type taylor_green -a_taylor_green_amplitude 2 -a_taylor_green_wavelength 1",
-                          p, -2 * PetscCosReal(k * 0.3) * PetscSinReal(k * 0.2),
-                          2 * PetscSinReal(k * 0.3) * PetscCosReal(k * 0.2), 0, "velocity_taylor_green"));
+  PetscCall(
+    CheckVelocity(SQUARE BALL
+                  "-a_velocity_type formula -a_velocity_formula 0-2*cos(2*pi*x)*sin(2*pi*y),2*sin(2*pi*x)*cos(2*pi*y)",
+                  p, -2 * PetscCosReal(k * 0.3) * PetscSinReal(k * 0.2),
+                  2 * PetscSinReal(k * 0.3) * PetscCosReal(k * 0.2), 0, "velocity_taylor_green"));
   PetscCall(CheckVelocity(CUBE BALL
                           "-a_velocity 1,0,0 -a_velocity_type formula -a_velocity_formula "
                           "0-x^2+2*-y-(y-z)/.5,2^3^2/2^-1*step(z)+step(-z),exp(log(abs(z)))*cos(pi)+1e-1*sqrt(4)",
@@ -398,7 +399,7 @@ static PetscErrorCode TestRefusals(void)
   PetscCall(Refused(CUBE "-bodies 2a", "'2a' is not a name", "refuse_name"));
   PetscCall(Refused(CUBE "-bodies box", "taken", "refuse_box_name"));
   PetscCall(Refused(CUBE "-bodies a -a_shape cone", "half_space, stl, thread, wave", "refuse_shape"));
-  PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "taylor_green", "refuse_velocity_type"));
+  PetscCall(Refused(CUBE BALL "-a_velocity_type spin", "formula", "refuse_velocity_type"));
   PetscCall(Refused(CUBE "-bodies a -a_shape sphere", "-a_radius is missing", "refuse_no_radius"));
   PetscCall(Refused(CUBE BALL "-a_radius -1", "-a_radius is -1; it must lie in (0, inf)", "refuse_radius"));
   PetscCall(Refused(CUBE BALL "-a_radius nan", "-a_radius is nan; it must lie in (0, inf)", "refuse_radius_nan"));
@@ -467,7 +468,7 @@ static PetscErrorCode TestHelp(void)
                                            {"file", "-<body>_shape stl"},
                                            {"scale", "-<body>_shape stl"},
                                            {"strain_center", "-<body>_velocity_type strain"},
-                                           {"taylor_green_wavelength", "-<body>_velocity_type taylor_green"},
+                                           {"velocity_formula", "-<body>_velocity_type formula"},
                                            {"yield_stress", "-<body>_viscosity_model herschel_bulkley"},
                                            {"interval", "-<body>_type emitter"},
                                            {"modulation", "-<body>_type emitter"}};

@@ -32,8 +32,8 @@ runs.check_below(-series["time_step"][1:-1].min() * (sound + 2 * speed) / h, -0.
 runs.check_below(float(series["density_error"].max()), 0.05, "rms density error of the drop")
 
 errors = []
-for mach in (0.2, 0.1, 0.05):
-    folder = runs.run(f"{VORTEX} -sound_mach {mach}", f"vortices {mach}")
+for sound in (5, 10, 20):  # U = 1 m/s
+    folder = runs.run(f"{VORTEX} -sound_speed {sound}", f"vortices {sound}")
     errors.append(next(r.measured for r in runner.load("taylor_green")(folder) if r.name.startswith("velocity error")))
 runs.check(errors[0] > errors[1] and errors[0] > errors[2], "the error falls with the speed of sound", errors)
 runs.check_below(errors[1], 0.03, "velocity error of the vortices, c = 10 U")
@@ -54,8 +54,7 @@ for name, other, limit in (("restart", again, 0.0), ("two processes", two, 1e-6)
                 for k in ("position", "velocity", "pressure"))
     runs.check_below(worst, limit, f"{name}, largest difference")
 
-for options, words in (("-sound_mach 0", "it must lie in (0, 1]"), ("-sound_speed -1", "it must lie in [0, inf)"),
-                       ("-density_diffusion 2", "it must lie in [0, 1]")):
-    process = runs.start(f"{VORTEX} {options} -output_dir " + runs.scratch("bad"))
-    runs.check(process.returncode != 0 and words in process.stderr, f"refuses {options}", process.stderr[-200:])
+process = runs.start(f"{VORTEX} -sound_speed -1 -output_dir " + runs.scratch("bad"))
+runs.check(process.returncode != 0 and "it must lie in [0, inf)" in process.stderr, "refuses a negative speed of sound",
+           process.stderr[-200:])
 runs.done()
