@@ -28,8 +28,8 @@
 #define LET_OUT 0.2   /* of an overlap, in a step (Catto 2005) */
 #define SWEEPS  200   /* at most */
 #define DONE    1e-10 /* largest change of a velocity in the last sweep, over the largest velocity */
-#define AROUND                                                                                                         \
-  0.3 /* spacings to the sides within which a surface is plane: the first dummy particle is at half of one */
+/* spacings to the sides within which a surface is plane: the first dummy particle is at half of one */
+#define AROUND   0.3
 #define PLANE    1e-6 /* one less the cosine between the normals of a plane */
 #define BEFORE   0.5  /* cosine between the way to an edge and the normal of the surface before which it is */
 #define NOBODY   -1   /* a wall, in place of the index of a solid */
@@ -40,9 +40,9 @@
 #define BENT     0.2  /* change of the slope within SLIDE, over the slope, of a bent surface; no reference */
 #define WEDGE    10  /* spacings that liquid leaves a wedge in 'leave', faster than liquid of the scene; no reference */
 #define TOGETHER 0.1 /* spacings between places of a face that hit at once, and from there to none; no reference */
-#define NOTICED                                                                                                        \
-  0.01           /* spacings, by which a body approaches in a step that hits; less is what weight does to one at rest */
-#define TIE 1e-3 /* the same of places on a bent surface, which touches at one */
+/* spacings, by which a body approaches in a step that hits; less is what weight does to one at rest */
+#define NOTICED 0.01
+#define TIE     1e-3 /* the same of places on a bent surface, which touches at one */
 
 /* A place where two solids may touch, of particle id of the solid 'one'; all numbers are of one width, for MPI. */
 typedef struct {

@@ -2,8 +2,8 @@
 #include "../neighbors/pairs.h"
 #include "elastic_impl.h"
 
-#define SELF                                                                                                           \
-  0.125 /* weight of a particle in the mean of its normal, over that of its neighbours, some eight beside it */
+/* weight of a particle in the mean of its normal, over that of its neighbours, some eight beside it */
+#define SELF 0.125
 
 static PetscReal Scale(Cloud cloud)
 {

@@ -2,9 +2,9 @@
 #include "gas_impl.h"
 
 #define SHIFT 2 /* a block has 2^SHIFT cells a direction, as many as a GasMask has bits in three dimensions */
-#define MARGIN                                                                                                         \
-  1.5 /* spacings that the cells reach into walls, where they are full: without them half of the part of W             \
-         that dry walls have in the box is missing, and a volume is short by d0/4 per wall */
+/* spacings that the cells reach into walls, where they are full: without them half of the part of W that dry walls have
+   in the box is missing, and a volume is short by d0/4 per wall */
+#define MARGIN   1.5
 #define NEAR_WET 1.01 /* spacings around a particle inside in which a cell is full */
 
 enum { TOUCH_FULL = 1, TOUCH_WALL = 2, TOUCH_NEAR = 4 };

@@ -1,10 +1,9 @@
 /* Gas without density that liquid encloses, as an edge of the step: one unknown pressure for each pocket. */
 #include "gas_impl.h"
 
-#define UNKEPT                                                                                                         \
-  0.05         /* of a constant volume, by which its sum may be wrong: one by stirring was 0.004 of the liquid's       \
-                */
-#define LOOK 8 /* steps after which pockets are looked for again, at the latest */
+/* of a constant volume, by which its sum may be wrong: one by stirring was 0.004 of the liquid's */
+#define UNKEPT 0.05
+#define LOOK   8 /* steps after which pockets are looked for again, at the latest */
 
 static const OptionRow option[] = {
   {"-gas",

@@ -18,9 +18,8 @@
 #define POINTS 4    /* around a foot, along each axis */
 #define PITCH  0.5  /* spacings between points: on a lattice those of all particles coincide */
 #define RAISED 0.5  /* spacings: height of points */
-#define TILT                                                                                                           \
-  0.48 /* c half a spacing above the line of a wedge of the angle t is about 1/2 - TILT cos t, t within 60 and 120     \
-          degrees */
+/* c half a spacing above the line of a wedge of the angle t is about 1/2 - TILT cos t, t within 60 and 120 degrees */
+#define TILT    0.48
 #define RAMP    0.2  /* c rises by twice this across the edge of what is wet */
 #define ONTO    0.3  /* spacings: a point this far from a solid is not on its surface */
 #define LOW     1.0  /* spacings */

@@ -2,9 +2,9 @@
 #include "../neighbors/pairs.h"
 #include "operators.h"
 
-#define SHEETS                                                                                                         \
-  3                            /* of Deficit: sheets of 1 to 20 particles resist a stretch in their plane within 5 %,  \
-                                 whatever the kernel, both ways within 16 % */
+/* of Deficit: sheets of 1 to 20 particles resist a stretch in their plane within 5 %, whatever the kernel, both ways
+   within 16 % */
+#define SHEETS          3
 #define PLANE_POINTS    64     /* of the integral over a layer of dummy particles */
 #define MOMENT_OFF_MOST 0.03   /* largest deviation of a second moment from 1: see SecondMoment */
 #define SMALLEST        1e-300 /* added to a divisor that is zero between liquids without viscosity */

@@ -6,26 +6,24 @@
 #include "packing_impl.h"
 
 /* Lengths in spacings. All numbers were found by trial on drops and films; TAO tolerates changes of each. */
-#define FIRST_RADIUS                                                                                                   \
-  0.95                     /* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most \
-                            */
+/* first distance of the darts, on the surface and in the volume; V / d0^3 fit 0.90 at most */
+#define FIRST_RADIUS  0.95
 #define RADIUS_SHRINK 0.98 /* factor on the distance in the volume ... */
 #define PLACED_LEAST  0.03 /* ... when less than this part of the darts in the core is accepted */
-#define RADIUS_SMALLEST                                                                                                \
-  0.6                       /* a body that has no room for its samples at this distance is too thin for the skin ...   \
-                             */
-#define SKIN_SHRINK    0.5  /* ... which takes this factor ... */
-#define SKIN_SMALLEST  0.05 /* ... down to this depth */
-#define SURFACE_DARTS  15   /* thrown into a grid cell that the surface crosses */
-#define VOLUME_DARTS   2    /* thrown in a batch for each missing sample, and ... */
-#define VOLUME_DARTS_0 1000 /* ... so many more */
-#define SKIN           0.5  /* spacings below the surface, where the first layer of a lattice lies */
-#define PROJECTIONS    4    /* of a dart onto the surface, by Newton's method */
-#define ON_SURFACE     1e-3 /* a dart this close to the surface is on it */
-#define FOOT_OFF       0.1  /* largest distance of the foot of a normal from the surface */
-#define SUBCELLS       6    /* in each direction: the share of a cell inside the body is exact to about 1 % */
-#define NOBODY         (-1)
-#define WATCH_AFTER    4096 /* darts: between two looks at the clock */
+/* a body that has no room for its samples at this distance is too thin for the skin ... */
+#define RADIUS_SMALLEST 0.6
+#define SKIN_SHRINK     0.5  /* ... which takes this factor ... */
+#define SKIN_SMALLEST   0.05 /* ... down to this depth */
+#define SURFACE_DARTS   15   /* thrown into a grid cell that the surface crosses */
+#define VOLUME_DARTS    2    /* thrown in a batch for each missing sample, and ... */
+#define VOLUME_DARTS_0  1000 /* ... so many more */
+#define SKIN            0.5  /* spacings below the surface, where the first layer of a lattice lies */
+#define PROJECTIONS     4    /* of a dart onto the surface, by Newton's method */
+#define ON_SURFACE      1e-3 /* a dart this close to the surface is on it */
+#define FOOT_OFF        0.1  /* largest distance of the foot of a normal from the surface */
+#define SUBCELLS        6    /* in each direction: the share of a cell inside the body is exact to about 1 % */
+#define NOBODY          (-1)
+#define WATCH_AFTER     4096 /* darts: between two looks at the clock */
 
 typedef struct {
   Domain             domain;

@@ -6,8 +6,8 @@
 #define CORNER_SHRINK 1e-3 /* of a coarse cell: so much less must be inside the body */
 #define GAP_POINTS    200  /* of the integral of 1/s over a gap */
 #define LEAST_GAP     0.25 /* particles for which a gap must have room */
-#define JITTER                                                                                                         \
-  0.1 /* spacings, of the points between the lattices at the start, so that no row of them stays straight */
+/* spacings, of the points between the lattices at the start, so that no row of them stays straight */
+#define JITTER 0.1
 
 static PetscReal LatticeMeasure(const Region *region, const Lattice *lattice)
 {

@@ -14,11 +14,11 @@
 #define FARTHEST     0.1 /* largest displacement, spacings */
 #define CLUMP_WEIGHT 0.2 /* Monaghan (2000) */
 #define DEEP_ENOUGH  0.2 /* least distance of centres from the region's surface, spacings */
-#define LEAST_DEPTH                                                                                                    \
-  0.1 /* the same at the start: a point of the fine lattice that is much nearer than a spacing to its mirror image     \
-         is not repelled by it */
-#define PROBE                                                                                                          \
-  0.05 /* fine spacings: difference for normals, and depth at which to test whether the region reaches a face */
+/* the same at the start: a point of the fine lattice that is much nearer than a spacing to its mirror image is not
+   repelled by it */
+#define LEAST_DEPTH 0.1
+/* fine spacings: difference for normals, and depth at which to test whether the region reaches a face */
+#define PROBE    0.05
 #define PARALLEL 0.9 /* least cosine between the normals of a curved surface and of a face that count as one mirror */
 
 /* The kernel C2 of Wendland (1995) at q = r/h and its -F, both without norm, and the norm of F for h = KERNEL_WIDTH. */

@@ -9,9 +9,9 @@
 
 /* ClosureFull gives their sources. */
 #define FACTOR 2 /* times the filling of Nair and Tomar: p = 0 lies on the surface */
-#define FILLED_LAMBDA                                                                                                  \
-  0.9 /* rows with a smaller lambda are filled up: rows of the surface and of the layer below; no reference */
-#define LEAST 2.5 /* times n.B n V/rho: least closure; below 1 a row diverges */
+/* rows with a smaller lambda are filled up: rows of the surface and of the layer below; no reference */
+#define FILLED_LAMBDA 0.9
+#define LEAST         2.5 /* times n.B n V/rho: least closure; below 1 a row diverges */
 
 /* Eq. (11): (2 p_a - p_b) in place of (p_a - p_b). */
 PetscReal ClosureDoubled(Pressure pressure, PetscInt a, PetscReal diagonal)

@@ -2,8 +2,8 @@
 #include "sim_impl.h"
 
 #define WHY_LENGTH 512
-#define AT_REST                                                                                                        \
-  0.003 /* rms speed over the scene's own at which the relaxation ends: 0.01 m/s in Kuri et al.'s impact */
+/* rms speed over the scene's own at which the relaxation ends: 0.01 m/s in Kuri et al.'s impact */
+#define AT_REST 0.003
 
 /* Root mean square of the speeds of the fluid (m/s), all ranks. */
 static PetscErrorCode RmsSpeed(Sim sim, PetscReal *speed)

@@ -6,8 +6,8 @@
 
 #define UNEVEN 0.01 /* standard deviation of the density over the rest density; an optimised packing has 1e-4 */
 
-#define FEW                                                                                                            \
-  500 /* particles a process: their sums take 0.8 ms a step, its messages 0.3 to 0.8 (tests/bench/README.md) */
+/* particles a process: their sums take 0.8 ms a step, its messages 0.3 to 0.8 (tests/bench/README.md) */
+#define FEW             500
 #define FAREWELL_LENGTH 512
 #define LOOK_AHEAD      2 /* steps */
 #define JOURNAL_FILE    "log.txt"

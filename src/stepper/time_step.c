@@ -5,19 +5,18 @@
 #define CAPILLARY     0.25 /* for schemes whose forces do not act at the middle of the step; else TensionStepLimit */
 #define VISCOUS_LIMIT 0.08 /* over h^2/nu, of explicit viscosity; 0.125 is marginal for -viscosity_form morris */
 #define FORCE_LIMIT   0.03 /* the same, over sqrt(h/|g|); a film at rest is stable at 0.03, not at 0.045 */
-#define VISCOUS_RATIO                                                                                                  \
-  30                     /* implicit over explicit steps; Couette flow across 20 spacings: 0.8 % of the wall's speed   \
-                          */
-#define INERTIA     0.3  /* below which InertiaCounts calls a number small; no reference */
-#define PULL        5    /* of sigma/mu; density errors are then corrected in h mu/sigma, as surfaces move by h */
-#define CREEPING    0.03 /* of mu h/sigma, in which tension moves a very viscous surface by h; 0.11 is too long */
-#define AT_ONCE     0.15 /* of d2/nu, in which pressure keeps up with a creeping flow: squeeze_film */
-#define LAG         4e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
-#define GROWTH      1.2  /* largest ratio of a step to the step before; no reference */
-#define UNSTABLE    2    /* times a bound, from which a fixed step is doubted: viscosity's is unstable from 1.6 on */
-#define SWING_STEPS 16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
-#define PER_PERIOD  250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
-#define MOVED       0.8  /* of -displacement_max, that a particle may move in a step; no reference */
+/* implicit over explicit steps; Couette flow across 20 spacings: 0.8 % of the wall's speed */
+#define VISCOUS_RATIO 30
+#define INERTIA       0.3  /* below which InertiaCounts calls a number small; no reference */
+#define PULL          5    /* of sigma/mu; density errors are then corrected in h mu/sigma, as surfaces move by h */
+#define CREEPING      0.03 /* of mu h/sigma, in which tension moves a very viscous surface by h; 0.11 is too long */
+#define AT_ONCE       0.15 /* of d2/nu, in which pressure keeps up with a creeping flow: squeeze_film */
+#define LAG           4e-4 /* times dt nu/d2 by which pressure lags behind such a flow, over d/U: squeeze_film */
+#define GROWTH        1.2  /* largest ratio of a step to the step before; no reference */
+#define UNSTABLE      2    /* times a bound, from which a fixed step is doubted: viscosity's is unstable from 1.6 on */
+#define SWING_STEPS   16   /* in a period of what swings; a shaken tank's mean pressure is 0.3 % off */
+#define PER_PERIOD    250  /* cases/oscillating_drop: the period stays, damping grows by 1 to 5 % */
+#define MOVED         0.8  /* of -displacement_max, that a particle may move in a step; no reference */
 
 void TimeStepDefaults(TimeStepLimits *limits)
 {

@@ -247,13 +247,11 @@ static PetscErrorCode Pass(Tension tension, Cloud cloud, PetscReal g[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Marks where the model is evaluated, near the surface particles of all ranks. A rank knows the surface particles
-   within the kernel's support of its own, and asks other ranks if the distance is larger. */
-static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
+PetscErrorCode CahnHilliardMark(Tension tension, Cloud cloud, PetscReal radius)
 {
   const Domain    domain  = cloud->domain;
   CahnHilliard   *data    = tension->data;
-  const PetscReal support = KernelSupport(tension->kernel), radius = support + tension->spacing;
+  const PetscReal support = KernelSupport(tension->kernel);
   PetscReal       origin[DIM];
   PetscInt       *of, count;
 
@@ -262,8 +260,8 @@ static PetscErrorCode MarkNear(Tension tension, Cloud cloud)
   PetscCall(PetscMalloc1(cloud->n_total, &of));
   PetscCall(SurfaceList(cloud, NULL, NULL, of, &count));
   PetscCall(CellMaskDestroy(&data->near));
-  PetscCall(CellMaskCreate(radius > support ? domain->comm : PETSC_COMM_SELF, domain->dim, origin, radius / NEAR_CELLS,
-                           radius, count, of, cloud->field[FIELD_POSITION], &data->near));
+  PetscCall(CellMaskCreate(domain->comm, domain->dim, origin, radius / NEAR_CELLS, radius, count, of,
+                           cloud->field[FIELD_POSITION], &data->near));
   PetscCall(PetscFree(of));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -272,7 +270,7 @@ PetscErrorCode CahnHilliardGradient(Tension tension, Cloud cloud, PetscReal g[])
 {
   PetscFunctionBegin;
   PetscCall(LiquidSort(tension, cloud, NULL, 0, NULL));
-  PetscCall(MarkNear(tension, cloud));
+  PetscCall(CahnHilliardMark(tension, cloud, KernelSupport(tension->kernel) + tension->spacing));
   PetscCall(PetscArrayzero(g, DIM * cloud->n_owned));
   if (Data(tension)->summed) PetscCall(LoadDensities(tension, cloud));
   PetscCall(Pass(tension, cloud, g));

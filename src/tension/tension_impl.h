@@ -121,6 +121,8 @@ typedef struct {
   PetscReal wall[WALL_TABLE + 1]; /* w1 over depth, 1/m */
 } CahnHilliard;
 
+/* CahnHilliardMark - sets 'near': all within a radius (m) of the surface particles of all ranks. Collective. */
+PetscErrorCode CahnHilliardMark(Tension tension, Cloud cloud, PetscReal radius);
 /* CahnHilliardGradient - g = root(kappa) grad phi ([n_owned][3], root of N/m2), zero beyond the band; Eq. (7) is S =
    |g|^2 I - g (x) g. With summed densities g has the factor root(rho_0)/rho besides, and FIELD_ACCELERATION gets the
    part of a particle's own S. The liquid stays sorted. Collective. */

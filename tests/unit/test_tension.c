@@ -493,17 +493,13 @@ static PetscErrorCode TestBand(void)
     const PetscReal slack  = 2 * PetscSqrtReal(3) * radius[pool] / 4;
     PetscInt        missed = 0, beyond = 0, near = 0, count = 0;
     Setup           s;
-    PetscReal      *g;
     CahnHilliard   *data;
 
     PetscCall(SetupFill(pool ? POOL PHASES : OPEN PHASES, n, points, pool ? 4 : 0, &s));
     PetscCall(SetupMoments(&s));
 
-    data       = (CahnHilliard *)s.tension->data;
-    data->band = (radius[pool] - s.tension->spacing) / TensionReach(s.tension);
-    PetscCall(PetscMalloc1(DIM * s.cloud->n_owned, &g));
-    PetscCall(CahnHilliardGradient(s.tension, s.cloud, g));
-    PetscCall(PetscFree(g));
+    data = (CahnHilliard *)s.tension->data;
+    PetscCall(CahnHilliardMark(s.tension, s.cloud, radius[pool]));
     PetscCall(GatherSurface(s.cloud, surface, &count));
     for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
       const PetscReal *x     = s.cloud->field[FIELD_POSITION] + DIM * a;
