@@ -3,7 +3,8 @@
 
 /* Of h sqrt(rho w), w of PolymersStiffness: the viscosity of what the fit does not see. Threads hold to four spacings
    from 0.3 on; with 3 the start-up of a flow lags twice as much in time. No reference. */
-#define BALANCE    1
+#define BALANCE 1
+
 #define STEP_RATIO 0.3 /* longest step over h/c, c the speed of waves; start-up of a channel of 20 spacings: 2 % */
 
 enum { SUM_WORK, SUM_ENERGY, SUMS };

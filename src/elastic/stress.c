@@ -2,7 +2,7 @@
 #include "../neighbors/pairs.h"
 #include "elastic_impl.h"
 
-/* weight of a particle in the mean of its normal, over that of its neighbours, some eight beside it */
+/* weight of a particle in the mean of its normal over that of its neighbours: there are some eight beside it */
 #define SELF 0.125
 
 static PetscReal Scale(Cloud cloud)
