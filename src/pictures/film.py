@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A film of a run, with a frame for each snapshot.
 
-    film.py RUN_FOLDER [--rate N] [--color body|speed|pressure|size] [--section] [--azimuth DEG] [--elevation DEG]
+    film.py RUN_FOLDER [--rate N] [--color NAME] [--section] [--azimuth DEG] [--elevation DEG]
 
 Writes RUN_FOLDER/figures/film.mp4: the surface in perspective, or with --section and in two dimensions the section.
 Needs ffmpeg and the packages of pictures.py.
@@ -31,7 +31,7 @@ def frame(run, state, arguments, ends, view, path):
         axes.set(xlim=(lower[0] * unit, upper[0] * unit), ylim=(lower[1] * unit, upper[1] * unit), aspect="equal")
         axes.set(xlabel=f"{run.across} ({name})", ylabel=f"{'xyz'[run.up]} ({name})")
     else:
-        colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
+        colormap = views.colormap(arguments.color)
         axes.imshow(views.picture(run, views.Shape(run, state, arguments.color, ends, colormap), *view))
         axes.set(xticks=[], yticks=[])
         pictures.scale_bar(axes, view[0])
@@ -45,7 +45,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--rate", type=float, default=15, help="frames a second (15)")
-    parser.add_argument("--color", choices=("body", "speed", "pressure", "size"), default="body")
+    parser.add_argument("--color", metavar="NAME", default="body", help=pictures.COLORS)
     parser.add_argument("--section", action="store_true", help="the section, not the surface")
     parser.add_argument("--azimuth", type=float, default=25)
     parser.add_argument("--elevation", type=float, default=25)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Pictures of any run, for a paper or a first look.
 
-    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color body|speed|pressure|size] [--azimuth DEG]
-                [--elevation DEG] [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
+    pictures.py RUN_FOLDER [--times S ...] [--count N] [--color NAME] [--azimuth DEG] [--elevation DEG]
+                [--curves NAME ...] [--format png|pdf|svg ...] [--width CM] [--dpi N]
 
 Writes into RUN_FOLDER/figures:
     section.png   the section through the middle (in two dimensions all) at several times, with axes and units
@@ -37,6 +37,7 @@ COLUMNS = 3  # of panels; fewer if they are flat, more if they are tall
 INCH = 2.54  # cm
 WIDE = 12.0  # inches, for which figures are drawn
 LETTERS = 0.9  # inches, for title and numbers of a panel
+COLORS = "body, speed, pressure, size, or a field of the snapshots as temperature; of a tensor its trace (body)"
 
 
 def grid(count, width=4.0, height=3.0, columns=COLUMNS):
@@ -62,8 +63,8 @@ def key(figure, axes, run, color, ends):
         if len(marks) > 1:
             axes[0].legend(handles=marks, loc="upper right", fontsize=8, framealpha=0.8, handletextpad=0.2)
     else:
-        scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(*ends), views.MAPS[color])
-        words = "spacing over the finest" if color == "size" else f"{color} ({run.unit(color)})"
+        scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(*ends), views.colormap(color))
+        words = "spacing over the finest" if color == "size" else f"{color} ({run.unit(color) or 1})"
         figure.colorbar(scale, ax=axes, label=words, shrink=0.8)
 
 
@@ -104,7 +105,7 @@ def window(run, states):
 
 def surfaces(run, states, arguments, ends, folder):
     """Perspective, and the view from above."""
-    colormap = matplotlib.colormaps[views.MAPS.get(arguments.color, "viridis")]
+    colormap = views.colormap(arguments.color)
     shapes = together(functools.partial(views.Shape, run, color=arguments.color, ends=ends, colormap=colormap), states,
                       "surfaces")
     for name in ("surface", "top"):
@@ -168,7 +169,7 @@ def main():
     parser.add_argument("folder", metavar="RUN_FOLDER")
     parser.add_argument("--times", type=float, nargs="+", metavar="S", help="times to draw, s: the nearest snapshots")
     parser.add_argument("--count", type=int, default=6, help="number of times without --times (6)")
-    parser.add_argument("--color", choices=("body", "speed", "pressure", "size"), default="body")
+    parser.add_argument("--color", metavar="NAME", default="body", help=COLORS)
     parser.add_argument("--azimuth", type=float, default=25, help="of the eye, degrees from -y towards x (25)")
     parser.add_argument("--elevation", type=float, default=25, help="of the eye above the horizon, degrees (25)")
     parser.add_argument("--curves", nargs="+", metavar="NAME", help="columns of series.csv beginning so, or all; "

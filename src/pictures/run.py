@@ -16,7 +16,8 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
-FIELD_OF = {"speed": "velocity", "pressure": "pressure", "size": "volume"}  # of the snapshots, for each colour
+FIELD_OF = {"speed": "velocity", "pressure": "pressure", "size": "volume"}  # of the snapshots, for these colours
+OF_THE_SCHEME = {"position", "velocity", "pressure", "density", "carried", "lambda", "volume", "size"}
 SWING = 1e-3  # of the range of the potential energy, above its start, that a crest has at least
 SOLID = -2  # INT_BODY of particles of the first of -solids; -3 is the second, and so on
 
@@ -25,14 +26,15 @@ class State:
     """A snapshot with its mirror images: time; path; points, velocity [n][3]; pressure, speed, body [n]; share [n]:
     volume (of rings area) over spacing^dim; size [n]: the particle's spacing over the finest; solid [n][3]: dummy
     particles of solids at this time, solid_of [n]: the index of each one's solid; first [n]: the part of the
-    particle's volume that was of the first body, None: not stored. Rings are in the plane y = 0 on both sides of the
-    axis z."""
+    particle's volume that was of the first body, None: not stored; scalars: what else particles carry, by the names of
+    the fields, each an attribute. Rings are in the plane y = 0 on both sides of the axis z."""
 
     def __init__(self, time, points, velocity, pressure, body, share, size, solid, first=None, solid_of=None,
-                 path=None):
+                 path=None, scalars=None):
         self.time, self.points, self.velocity, self.pressure, self.body = time, points, velocity, pressure, body
         self.share, self.size, self.solid, self.first = share, size, solid, first
         self.solid_of, self.path = solid_of, path
+        vars(self).update(scalars or {})
 
     @property
     def speed(self):
@@ -72,6 +74,14 @@ def first_part(file, body, liquid):
     return (body[liquid] == 0).astype(float)
 
 
+def carried(file, liquid):
+    """What the liquid of a snapshot carries, by the names of the fields: numbers, and the traces of tensors."""
+    found = {name: np.array(values, float)[liquid].reshape(np.count_nonzero(liquid), -1)
+             for name, values in file.items()
+             if name not in OF_THE_SCHEME and isinstance(values, h5py.Dataset) and values.dtype.kind == "f"}
+    return {name: values[:, :3 if values.shape[1] > 1 else 1].sum(axis=1) for name, values in found.items()}
+
+
 class Run:
     """A run folder. lower, upper: corners of the box with its mirror images; faces[d]: kinds of its two faces. A run
     with rings counts as three-dimensional; its box is the box around their cylinder."""
@@ -92,6 +102,7 @@ class Run:
         self.scene, self.rows = tables.read_scene(folder), tables.rows_of(folder)
         with h5py.File(self.files[0][1], "r") as file:
             head, self.fields = dict(file.attrs), set(file)
+            self.colors = [*FIELD_OF, *carried(file, np.ravel(file["body"]) >= 0)]
         self.rings = bool(np.ravel(head.get("axisymmetric", 0))[0])
         self.dim = 3 if self.rings else int(np.ravel(head["dimension"])[0])
         self.up, self.across = self.dim - 1, "r" if self.rings else "x"
@@ -153,7 +164,7 @@ class Run:
             velocity = np.array(file["velocity"], float)[liquid] if "velocity" in file else np.zeros_like(points)
             pressure = np.ravel(file["pressure"])[liquid].astype(float) if "pressure" in file else zero
             share, size = shares(file, liquid, points[:, 0], self.rings, self.spacing)
-            first = first_part(file, body, liquid)
+            first, scalars = first_part(file, body, liquid), carried(file, liquid)
         if self.rings:
             points, velocity, solid = upright(points), upright(velocity), upright(solid)
         # solids that move are in the snapshots, others in solids.h5
@@ -161,9 +172,10 @@ class Run:
         solid, _, (solid_of,) = self.reflect(solid, others=[solid_of])
         solid = np.concatenate([self.solid[still], solid])
         solid_of = np.concatenate([self.solid_of[still], solid_of])
-        others = [pressure, body[liquid], share, size, first]
-        points, (velocity,), (pressure, body, share, size, first) = self.reflect(points, [velocity], others)
-        return State(time, points, velocity, pressure, body, share, size, solid, first, solid_of, path)
+        others = [pressure, body[liquid], share, size, first, *scalars.values()]
+        points, (velocity,), (pressure, body, share, size, first, *others) = self.reflect(points, [velocity], others)
+        return State(time, points, velocity, pressure, body, share, size, solid, first, solid_of, path,
+                     dict(zip(scalars, others)))
 
     def around(self, points):
         """The points that a picture must contain; for rings with their points a quarter of a turn on."""
@@ -216,16 +228,18 @@ class Run:
         if color == "size":
             return "m"
         return next(row["unit"] for row in self.scene["columns"]
-                    if row["file"] == "snapshot" and row["name"] == FIELD_OF[color])
+                    if row["file"] == "snapshot" and row["name"] == FIELD_OF.get(color, color))
 
     def has(self, color):
         """Whether the snapshots have the field for this colour."""
-        return color == "body" or FIELD_OF[color] in self.fields
+        return color == "body" or color in self.colors and FIELD_OF.get(color, color) in self.fields
 
     def need(self, color):
         """Refuses to colour by a field that the snapshots lack."""
         if not self.has(color):
-            raise Error(f"the snapshots of {self.folder} have no {FIELD_OF[color]} (-snapshot_fields).")
+            colors = ", ".join(filter(self.has, ["body", *self.colors]))
+            raise Error(f"the snapshots of {self.folder} have no {FIELD_OF.get(color, color)} (-snapshot_fields): "
+                        f"colours are {colors}.")
 
 def duration(seconds):
     """A time as text, with its unit."""

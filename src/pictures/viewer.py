@@ -3,7 +3,6 @@ import base64
 import functools
 from types import SimpleNamespace
 
-import matplotlib
 import matplotlib.ticker
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
@@ -27,7 +26,6 @@ MARGIN = 0.05  # of the box around it, where walls and solids may be drawn
 STRIP = 0.015  # thickness of walls in two dimensions over the box
 AZIMUTH, ELEVATION = 25, 25  # degrees, of the first view
 SEVERAL = 1.01  # ratio of spacings that are worth a colour
-COLORS = ("speed", "pressure", "size")
 TICKS = 5  # steps of a colour scale, at most
 
 
@@ -127,9 +125,9 @@ class Shapes:
 
 def liquid(run, state, most, coarser):
     """Points, triangles (in two dimensions None), sizes, normals, and the values at the points: shares of the bodies,
-    then COLORS. The normals are those of the volume fraction: few triangles have folds of their own."""
+    then run.colors. The normals are those of the volume fraction: few triangles have folds of their own."""
     bodies = len(run.bodies)
-    table = np.hstack([views.value_table(state, color, bodies) for color in ("body", *COLORS)])
+    table = np.hstack([views.value_table(state, color, bodies) for color in ("body", *run.colors)])
     if run.dim == 2:  # each so many-th particle, as large as those that it stands for
         every = -(-len(table) // most)
         return state.points[::every], None, np.sqrt(every) * state.size[::every], None, table[::every]
@@ -178,9 +176,9 @@ def solid(run, state, most):
 
 def colorings(run, seen, several):
     """The colours besides those of the bodies: name, title, ends of the scale and colours; seen: the values that the
-    page shows, for each of COLORS those at all times; several: particles have several sizes."""
+    page shows, for each of run.colors those at all times; several: particles have several sizes."""
     found = []
-    for name in COLORS:
+    for name in run.colors:
         values = np.concatenate(seen[name])
         if not run.has(name) or np.ptp(values) == 0 or name == "size" and not several:
             continue
@@ -188,7 +186,7 @@ def colorings(run, seen, several):
         si = run.spacing if name == "size" else 1
         factor, unit = columns.prefixed(si * max(abs(low), abs(high)), run.unit(name))
         ticks = matplotlib.ticker.MaxNLocator(TICKS).tick_values(low * si * factor, high * si * factor)
-        shades = matplotlib.colormaps[views.MAPS[name]](np.arange(SHADES + 1))[:, :3]
+        shades = views.colormap(name)(np.arange(SHADES + 1))[:, :3]
         found.append({"name": name, "title": "spacing" if name == "size" else name, "unit": unit,
                       "ends": (ticks[0] / si / factor, ticks[-1] / si / factor),
                       "ticks": [f"{tick:.6g}" for tick in ticks], "map": packed(SHADES * shades, "u1")})
@@ -206,7 +204,7 @@ def moment(run, most, coarser, path):
 
 def scene(run, count, most):
     """All that viewer.js draws; None if there is no liquid."""
-    shapes, parts, seen, rigid = Shapes(run), [], {name: [] for name in COLORS}, []
+    shapes, parts, seen, rigid = Shapes(run), [], {name: [] for name in run.colors}, []
     bodies, last, several = len(run.bodies), None, False
     paths = [path for _, path in run.moments(count=count)]
     coarser = coarseness(run, run.read(paths[0]), most)
@@ -220,7 +218,7 @@ def scene(run, count, most):
             places, corners = solid(run, state, most // 2)
             rigid.append(shapes.discs(places, np.ones(len(places))) if corners is None else
                           shapes.mesh(places, corners))
-        for k, name in enumerate(COLORS):
+        for k, name in enumerate(run.colors):
             seen[name].append(table[:, bodies + k])
         shape = shapes.discs(points, size) if cells is None else shapes.mesh(points, cells, normals)
         if pockets is not None and len(pockets[0]):

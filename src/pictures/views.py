@@ -1,4 +1,5 @@
 """Views of one state: a section with matplotlib; the liquid's surface in perspective or from above with VTK."""
+import matplotlib
 import numpy as np
 from matplotlib.collections import EllipseCollection, PolyCollection
 
@@ -10,7 +11,7 @@ import surface
 BODY_COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#555555")
 SOLID_COLOR = "#9a9a9a"
 FLOOR = np.array([0.90, 0.90, 0.88])
-MAPS = {"speed": "viridis", "pressure": "cividis", "size": "turbo"}
+MAPS = {"pressure": "cividis", "size": "turbo", "temperature": "inferno"}  # others: viridis
 PERCENTILE = 99  # of the values at the end of a colour scale, so that no single particle of spray sets it
 ANGLE = 22.0  # degrees, of the perspective
 ROOM = 1.05  # size of a picture over that of its contents
@@ -21,13 +22,17 @@ def rgb_of(name):
     return np.array([int(name[k:k + 2], 16) / 255 for k in (1, 3, 5)])
 
 
+def colormap(color):
+    return matplotlib.colormaps[MAPS.get(color, "viridis")]
+
+
 def limits(states, color):
     """Ends of the colour scale over all states; None for bodies."""
     if color == "body":
         return None
     values = np.concatenate([getattr(state, color) for state in states])
     low = np.percentile(values, 100 - PERCENTILE)
-    low = {"speed": 0.0, "size": low}.get(color, min(0.0, low))
+    low = {"speed": 0.0, "pressure": min(0.0, low)}.get(color, low)
     high = np.percentile(values, PERCENTILE)
     return low, high if high > low else low + 1
 
@@ -57,7 +62,7 @@ def section(axes, run, state, color, ends, unit):
     if color == "body":
         discs(points, size, facecolors=[BODY_COLORS[b % len(BODY_COLORS)] for b in state.body[chosen]])
     else:
-        discs(points, size, array=getattr(state, color)[chosen], cmap=MAPS[color], clim=ends)
+        discs(points, size, array=getattr(state, color)[chosen], cmap=colormap(color), clim=ends)
     frame(axes, run, unit)
 
 

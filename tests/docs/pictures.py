@@ -35,7 +35,7 @@ HEADS = [{"file": "series.csv", "name": name, "unit": unit, "head": f"{name}_{un
              ("kinetic_energy", "J", "sum", []), ("iterations", "", "run", ["step"]), ("highest", "m", "value", []),
              ("volume", "m3", "sum", []), ("force_xmin_x", "N/m", "sum", ["step"]), ("height_1", "m", "value", []))]
 HEADS += [{"file": "snapshot", "name": name, "unit": unit, "head": name} for name, unit in (
-    ("velocity", "m/s"), ("pressure", "Pa"))]
+    ("velocity", "m/s"), ("pressure", "Pa"), ("temperature", "K"))]
 SERIES = {row["name"]: row for row in HEADS if row["file"] == "series.csv"}
 SHAPE = views.PANEL[1] / views.PANEL[0]
 FIGURES = {}
@@ -67,6 +67,8 @@ def write(folder, times, lower, upper, options, liquid, solid=(), moved=(), **mo
             file["position"] = np.array([row[0] for row in liquid] + rest, float)
             file["velocity"] = np.array([row[1] for row in liquid] + [(0, 0, 0)] * len(rest), float)
             file["pressure"] = np.array([row[2] for row in liquid] + [0] * len(rest), float)
+            file["temperature"] = np.array([300 + 10 * k for k in range(len(liquid))] + [0] * len(rest), float)
+            file["stretch"] = np.tile(np.arange(1, 7.0), (len(liquid) + len(rest), 1))
             file["volume"] = np.array([row[3] for row in liquid] + [0] * len(rest), float) * more.get("each", D0**3)
             for name, value in (("time", time), ("dimension", more.get("dimension", 3)),
                                 ("spacing", more.get("spacing", D0)), ("box_lower", lower), ("box_upper", upper),
@@ -123,6 +125,16 @@ ends = views.limits([state], "pressure")
 runs.check(-50 <= ends[0] < 0 and 30 < ends[1] <= 900, "pressure_scale_has_both_signs", ends)
 ends = views.limits([state], "speed")
 runs.check(ends[0] == 0 and 3 < ends[1] <= 5, "speed_scale_starts_at_0", ends)
+close(state.temperature, [300, 310, 320, 330] * 2, "temperatures_with_their_images")
+close(state.stretch, [6] * 8, "trace_of_a_tensor")
+ends = views.limits([state], "temperature")
+runs.check(300 <= ends[0] < 301 and 329 < ends[1] <= 330, "temperature_scale_is_that_of_the_liquid", ends)
+try:
+    run.need("temperatur")
+    refused = ""
+except tables.Error as error:
+    refused = str(error)
+runs.check("no temperatur (" in refused and "stretch, temperature" in refused, "colour_that_is_none", refused)
 ends = views.limits([state], "size")
 runs.check(abs(ends[0] - 1) < 1e-9 and 1.9 < ends[1] < 2.001, "size_scale_starts_at_the_finest", ends)
 
@@ -206,13 +218,15 @@ reach = np.hypot(*surface.cut(outside, np.array([-1, -1, 0]), np.ones(3), True)[
 close(reach, (1, 0.5), "wall_of_a_cylinder")
 
 # colour scales of the page: round numbers, lengths for sizes; none of what does not vary
-seen = {"speed": [np.array([0, 0.31])], "pressure": [np.zeros(2)], "size": [np.array([1, 2.0])]}
+seen = {"speed": [np.array([0, 0.31])], "pressure": [np.zeros(2)], "size": [np.array([1, 2.0])],
+        "stretch": [np.zeros(2)], "temperature": [np.array([300, 350.0])]}
 scales = viewer.colorings(run, seen, True)
 told = [(c["title"], c["unit"], c["ticks"][0], c["ticks"][-1]) for c in scales]
-runs.check(told == [("speed", "mm/s", "0", "320"), ("spacing", "mm", "10", "20")], "colour_scales", told)
-close([c["ends"] for c in scales], [(0, 0.32), (1, 2)], "ends_of_colour_scales")
+runs.check(told == [("speed", "mm/s", "0", "320"), ("spacing", "mm", "10", "20"), ("temperature", "K", "300", "350")],
+           "colour_scales", told)
+close([c["ends"] for c in scales], [(0, 0.32), (1, 2), (300, 350)], "ends_of_colour_scales")
 told = [c["title"] for c in viewer.colorings(run, seen, False)]
-runs.check(told == ["speed"], "one_size_has_no_scale", told)
+runs.check(told == ["speed", "temperature"], "one_size_has_no_scale", told)
 
 # normals: a rough plane becomes even, an edge of a cube stays
 step = np.arange(20)
