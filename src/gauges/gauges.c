@@ -3,7 +3,7 @@
 #include "gauges_impl.h"
 
 static const GaugeKind *const own[] = {&GaugeCrater,   &GaugePoints, &GaugeHeights, &GaugeForces,
-                                       &GaugeDroplets, &GaugeLines,  &GaugeNeck};
+                                       &GaugeDroplets, &GaugeLines,  &GaugeNeck,    &GaugeRoughness};
 
 /* Kind k of gauges in the order of their columns in the series, those of edges last; NULL: there are only k. */
 static const GaugeKind *Kind(PetscInt k)

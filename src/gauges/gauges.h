@@ -72,8 +72,9 @@ typedef struct {
 /* GaugesCreate - makes the gauges of a cloud (borrowed). The scene must know its bodies. Collective. */
 PetscErrorCode GaugesCreate(Cloud cloud, Gauges *gauges);
 /* GaugesSetForces - tells how the run computes the forces on walls. viscosity (borrowed): its friction is included.
-   pressure (borrowed): its gradient, and what presses on dry walls; NULL: the gradient is corrected, and nothing does.
-   tension: surface tension sets FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not collective. */
+   pressure (borrowed): its gradient, and what presses on dry walls; NULL: the gradient is corrected, nothing does, and
+   roughness is NAN. tension: surface tension sets FIELD_CAPILLARY, and the gauge adds its force at contact lines. Not
+   collective. */
 void GaugesSetForces(Gauges gauges, const Viscosity *viscosity, Pressure pressure, PetscBool tension);
 /* GaugesSetRun - tells what moves the particles (borrowed), for the gauges in folders of its edges. Not collective. */
 void GaugesSetRun(Gauges gauges, void *run);

@@ -6,7 +6,8 @@
 #include "../domain/images.h"
 #include "columns.h"
 
-extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeDroplets, GaugeLines, GaugeNeck;
+extern const GaugeKind GaugeCrater, GaugePoints, GaugeHeights, GaugeForces, GaugeDroplets, GaugeLines, GaugeNeck,
+  GaugeRoughness;
 #define GAUGE_KINDS 16 /* at most, with those of edges */
 
 /* A table that is written, and the data of its gauge. */

@@ -123,7 +123,7 @@ BARE = {"step", "iterations", "density_error", "divergence", "solver_error", "pa
         "droplets", "spray", "line", "number"}
 UNITS = ("s", "m", "m2", "m3", "J", "N", "Pa", "m/s", "degrees")
 GAUGES = " -gauge_points 0,0,0 -gauge_heights 0,0 -gauge_lines 0,0,0,1,0,0 -gauge_forces -gauge_droplets -box_zmin wall"
-GAUGES += " -gauge_spread -gauge_neck z -gauge_film 0,0,1,0 -gauge_pinch_off"
+GAUGES += " -gauge_spread -gauge_neck z -gauge_film 0,0,1,0 -gauge_pinch_off -gauge_roughness"
 tables = runs.run(SCENE + GAUGES, "gauges")
 for name in ("series.csv", "lines.csv", "droplets.csv", "film.csv", "pinch_off.csv"):
     with open(os.path.join(tables, name), encoding="utf-8") as file:

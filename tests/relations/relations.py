@@ -146,7 +146,7 @@ class Trial:
     def gauged(self, more="", steps=None):
         """The same with much that is measured and written."""
         more += " -gauge_forces -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_spread -snapshot_walls "
-        more += f"-snapshot_interval 1e-30 -gauge_points {middle_of(self.scene)} "
+        more += f"-snapshot_interval 1e-30 -gauge_roughness -gauge_points {middle_of(self.scene)} "
         more += f"-gauge_neck {'y' if self.scene.dim == 2 else 'z'} " + "-gauge_pockets" * ("gas" in self.scene.options)
         return self.run(self.scene, more, steps=steps)
 

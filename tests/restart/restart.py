@@ -17,7 +17,7 @@ IMPACT = """-spacing 1e-3 -box_lower 0,0,-6e-3 -box_upper 12e-3,12e-3,12e-3 -box
  -film_viscosity 3.5e-3 -film_tension 0.067 -drop_shape sphere -drop_radius 3e-3 -drop_center 6e-3,0,5.8e-3
  -drop_velocity 1,0.5,-3 -drop_tension 0.067 -snapshot_double -checkpoint_interval 7e-4 -series_interval 1e-4
  -snapshot_interval 3e-4 -gauge_crater -gauge_axis 6e-3,6e-3 -gauge_droplets -gauge_forces
- -gauge_spread -gauge_neck z -gauge_film 0,6e-3,9e-3,6e-3 """
+ -gauge_spread -gauge_neck z -gauge_roughness -gauge_film 0,6e-3,9e-3,6e-3 """
 PLANE = """-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,1 -box_x periodic -box_ymin wall -gravity 0,-9.81
  -bodies film,drop -film_upper 1,0.4 -film_velocity 3,0 -drop_shape sphere -drop_radius 0.15 -drop_center 0.5,0.62
  -drop_velocity 4,-2 -film_tension 20 -drop_tension 20 -snapshot_double -checkpoint_interval 1e-2

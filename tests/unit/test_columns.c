@@ -17,11 +17,11 @@
 #define GAUGES                                                                                                         \
   " -gauge_forces -gauge_spread -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_crater -gauge_axis 0,0 "   \
   "-gauge_jet_radius 3 -gauge_level 6 -gauge_points 2.5,0.5,1.5,6,2.5,3.2 -gauge_heights 3,0.5,6.2,2.5 -gauge_neck z " \
-  "-gauge_lines 1.5,0.5,2.5,7,0.5,2.5 -gauge_film 1.5,0.5,7,0.5 -gauge_line_points 5 "
+  "-gauge_lines 1.5,0.5,2.5,7,0.5,2.5 -gauge_film 1.5,0.5,7,0.5 -gauge_line_points 5 -gauge_roughness "
 #define FLAT_GAUGES                                                                                                    \
   " -gauge_forces -gauge_spread -gauge_droplets -gauge_droplet_main -gauge_pinch_off -gauge_crater -gauge_axis 0 "     \
   "-gauge_jet_radius 3 -gauge_level 6 -gauge_points 2.5,1.5,6,3.2 -gauge_heights 3,6.2 -gauge_neck y -gauge_lines "    \
-  "1.5,2.5,7,2.5 -gauge_film 1.5,7 -gauge_line_points 5 "
+  "1.5,2.5,7,2.5 -gauge_film 1.5,7 -gauge_line_points 5 -gauge_roughness "
 #define COMMON                                                                                                         \
   "-spacing 1 -packing_jitter 0 -bodies water -output_overwrite -snapshot_interval 0 -post_lower -1,-1,-9 "            \
   "-post_upper 1,1,1 -right_lower 4,-1,-9 -right_upper 6,1,1 "

@@ -393,6 +393,85 @@ static PetscErrorCode CheckLabels(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* --- roughness --- */
+
+/* The height (m) at which the highest particle of a column finds the surface in the plane by its |sum V grad W|, if the
+   columns of a lattice are displaced by a wave of this amplitude (m) there, 4 spacings long. */
+static PetscReal Height(Kernel kernel, PetscReal amplitude)
+{
+  PetscReal n = 0, w, low = 0, high = KernelSupport(kernel);
+
+  for (PetscInt j = -3; j <= 3; j++)
+    for (PetscInt layer = 0; layer <= 4; layer++) {
+      const PetscReal y  = amplitude * (1 - PetscCosReal(0.5 * PETSC_PI * j)) + layer * D0,
+                      r2 = PetscSqr(j * D0) + y * y;
+      PetscReal W, F;
+
+      KernelEvaluate(kernel, 1, &r2, &W, &F);
+      n -= F * y * D0 * D0;
+    }
+  for (PetscInt k = 0; k < 60; k++) {
+    KernelHalfSpace(kernel, 0.5 * (low + high), &w, NULL);
+    *(w > n ? &low : &high) = 0.5 * (low + high);
+  }
+  return amplitude + low;
+}
+
+/* The roughness (m) of a film whose columns are displaced by a wave of this amplitude and length (m); the amplitude
+   that its highest particles see. */
+static PetscErrorCode Roughness(const char options[], PetscReal amplitude, PetscReal length, PetscReal *roughness,
+                                PetscReal *seen)
+{
+  Run            run;
+  ParticleArrays arrays;
+
+  PetscFunctionBegin;
+  PetscCall(RunCreate(options, &run));
+  PetscCall(PressureCreate(run.cloud, &run.set.pressure));
+  PetscCall(PressureSetFromOptions(run.set.pressure));
+  GaugesSetForces(run.gauges, NULL, run.set.pressure, PETSC_FALSE);
+  PetscCall(Fill(&run, Flat, 0));
+  PetscCall(ParticlesOpen(run.particles, &arrays));
+  for (PetscInt a = 0; a < arrays.n; a++) {
+    PetscReal *x = arrays.real[FIELD_POSITION] + DIM * a;
+
+    x[run.domain->dim - 1] += amplitude * PetscCosReal(2 * PETSC_PI * x[0] / length);
+  }
+  PetscCall(ParticlesClose(run.particles, &arrays));
+  PetscCall(CloudResync(run.cloud));
+  PetscCall(OperatorsMoments(run.cloud, NULL));
+  PetscCall(OperatorsFreeSurface(run.cloud));
+  PetscCall(GaugesMeasure(run.gauges, roughness));
+  *seen = (Height(run.cloud->kernel, amplitude) - Height(run.cloud->kernel, -amplitude)) / 2;
+  PetscCall(PressureDestroy(&run.set.pressure));
+  PetscCall(RunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define WAVE (1e-3 * D0)
+
+/* In the plane five places make a fit: a quadratic leaves the parts along (-1, 2, 0, -2, 1) and (1, -4, 6, -4, 1), of a
+   wave of 4 spacings 0.457 of the square of its amplitude. A wave of 24 spacings is a quadratic there. */
+static PetscErrorCode CheckRoughness(void)
+{
+  static const char *const options[] = {PLANE "-box_x periodic " BODIES_2D "-gauge_crater 0 -gauge_roughness ",
+                                        FULL BODIES_3D "-gauge_crater 0 -gauge_roughness "};
+  PetscReal                rough, twice, seen;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < 2; k++) {
+    PetscCall(Roughness(options[k], 0, 1, &rough, &seen));
+    CHECK_CLOSE(rough / D0, 0, 1e-6, "roughness: none of a lattice");
+    PetscCall(Roughness(options[k], WAVE, 24 * D0, &rough, &seen));
+    CHECK_CLOSE(rough / WAVE, 0, 0.02, "roughness: a long wave is none");
+    PetscCall(Roughness(options[k], WAVE, 4 * D0, &rough, &seen));
+    PetscCall(Roughness(options[k], 2 * WAVE, 4 * D0, &twice, &seen));
+    CHECK_CLOSE(twice / rough, 2, 0.05, "roughness: in proportion to a short wave");
+    if (k == 0) CHECK_CLOSE(2 * rough / seen, PetscSqrtReal(0.457), 0.05, "roughness: of a short wave");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* --- which columns there are --- */
 
 static PetscErrorCode HasCrater(const char options[], PetscBool expected, const char name[])
@@ -431,6 +510,7 @@ int main(int argc, char **argv)
   PetscCall(CheckDroplets());
   PetscCall(CheckNecks());
   PetscCall(CheckPinchOff());
+  PetscCall(CheckRoughness());
   PetscCall(CheckFlight());
   PetscCall(CheckLabels());
   PetscCall(CheckHalfCrown());
