@@ -3,15 +3,14 @@
    support; the scene has none, since particles cannot carry them, so it is their noise. */
 #include "gauges_impl.h"
 
-#define TERMS     6 /* 1, u, u2 and v, uv, v2 of coordinates u, v along the surface; in two dimensions the first three */
+#define TERMS     6 /* 1, u, u2, v, uv, v2 of coordinates u, v along the surface; in two dimensions the first three */
 #define DISTINCT  1e-6 /* least sum of squares of a term without its part along those before, supports */
 #define SAME_SIDE 0.5  /* least cosine between normals of one surface: the other side of a sheet has -1 */
 
 static const OptionRow options[] = {
   {"-gauge_roughness",
    "Whether the series has the rms roughness of the free surface: what a quadratic surface through the kernel's "
-   "support "
-   "does not hold, noise of the particles that no scene asks for",
+   "support does not hold, noise of the particles that no scene asks for",
    NULL, NULL, ROW_BOOL, 0},
   {.name = NULL},
 };
