@@ -24,16 +24,12 @@
    of the cells' sums by the velocities, and relaxes to the cells in MEMORY relaxation times.
 
    A void, which has no gas, is a pocket of the constant volume 0: what it has is taken from it in MEMORY relaxation
-   times. With the former pressure of the liquid around it, as gaps have, it would grow by whatever pressure it has: the
-   dam break (cases/dam_break/impact.opts) then had 500 J/m of 265 at 1.6 s.
+   times.
 
    Rows that see neither gas nor air nor a void (gaps between particles that are no surface) have the pressure around
    them outside: with m the mean of the liquid neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its
-   part HELD. With 0 outside they implode beside gas at another pressure; with the former pressure around them, and with
-   0 in a vessel without open air, they stop the full box of the stirred tank in two of ten packings; with no closure
-   the velocity of a particle with few neighbours grows from step to step (pressure/closure.c), and with HELD 0.01 the
-   solver does not converge in one of three. Where there is open air and no pocket they keep 0, as dry dummy particles
-   have. */
+   part HELD. Where there is open air and no pocket they keep 0, as dry dummy particles have. What else was tried:
+   cases/breathing_bubble/tried.md. */
 #include "gas_impl.h"
 
 #define CENTRED    0.25 /* b */

@@ -10,10 +10,7 @@
 
    The corrected share of the error is the ratio of the largest size to the smallest less 1, at most 1: the remaining
    error drives little where sizes differ little. With one size the error is the same all along the surface and moves
-   nothing. A correction there, too, would remove the error of 1 % in the speed of gravity waves (50 spacings a wave:
-   period .793 -> .802 s, exact .802). But the waves would grow by 2.7 % a period (1.1 % with 100 spacings), the waves
-   of cases/piston would be 3.3 % too high instead of 1.4 %, and a film at rest would move with .0032 sqrt(g H) instead
-   of .0020. Neither correction alone is better. */
+   nothing; a correction there, too, would make waves grow (cases/piston/README.md). */
 #include "pressure_impl.h"
 
 /* Sums at layer k (0: the first) of a lattice of spacing 1 below a flat surface: the filled fraction over that inside,

@@ -56,9 +56,6 @@ static const char *const Relations[] = {"cannot be used with", "needs", "needs"}
 
 static const Refusal Refusals[] = {
   {PRINTED, NOT_WITH, RINGS, ": its pressure gradient, Eq. (9), drives rings off the axis; " SCHEME_CONSISTENT " can"},
-  /* tried with the gradient of a plane, with the gradient of rings that conserves energy with the divergence, and with
-     one between: a drop of 16 spacings oscillates at 0.98 to 1.16 of its frequency and loses up to nine times the
-     energy that it should, or clumps */
   {SOUND, NOT_WITH, RINGS, ": sound waves focus at the axis and stay there; " SCHEME_CONSISTENT " can"},
   {DENSITY, NOT_WITH, RINGS,
    ": the density jumps where rings join or split, and this source would remove the jump within one "

@@ -4,11 +4,8 @@
 
    - The background pressure of the corrected gradient (pressure/gradient.c) drives displaced particles back within
      sqrt(d0/g). The projection does not know this force, and what divergence it makes is seen a step later: liquid at
-     rest sinks for some milliseconds. The force on the floor of a tank was 0.41 to 1.23 of the weight in the first
-     50 ms with a jitter of 0.1 (now 0.992 to 1), and a floating box rolled at 0.03 rad/s (0.003). Without jitter or
-     background pressure this does not happen, and it does not depend on T.
-   - Density defects e are removed within T = 5 h/U, U of the scene, whatever the viscosity: a ball twice as dense as
-   its syrup rose at 21 mm/s, two and a half times as fast as it should sink, also without jitter.
+     rest sinks for some milliseconds, and the force on the floor of a tank is 0.41 to 1.23 of the weight.
+   - Density defects e are removed within T = 5 h/U, U of the scene, whatever the viscosity: heavy balls rise in syrup.
 
    So both act on positions alone, without velocities and body forces:
 
