@@ -18,7 +18,7 @@ from display import together, with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
-SECTION = (-20e-3, 20e-3, -10e-3, 18e-3)  # m: x and z limits of the section's picture
+SECTION = (-21.5e-3, 21.5e-3, -10e-3, 20.1e-3)  # m: x and z limits of the section's picture, as high as the jet
 EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
 CURVES = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D (mm)",
           "crater_diameter": "crater diameter $\\phi$ (mm)"}
@@ -147,7 +147,9 @@ def figure_1(folder, times, quarter, path):
         (surface.THIN_COLOR, "where it is thin"), (surface.PALE_COLOR, "of the film, pale"))]
     halves = sorted({face[0] for face in mirrors} | ({"x", "y"} if quarter else set()))
     figure.legend(handles=legend, loc="upper center", bbox_to_anchor=(0.51, 0.108), ncols=4, frameon=False, fontsize=11,
-                  title=f"computed on one side of the axis in {' and '.join(halves)}, mirrored" if halves else None)
+                  title=("", "half of the liquid was computed, mirrored in {}",
+                         "a quarter of the liquid was computed, mirrored in {}")[len(halves)].format(
+                             " and ".join(halves)) or None)
     figure.savefig(path, dpi=140, bbox_inches="tight", pad_inches=0.06)
     plt.close(figure)
 

@@ -63,7 +63,9 @@ PetscReal GaugeMirror(Domain domain, PetscInt d, PetscReal *copies);
    large it is. Not collective. */
 PetscReal GaugeWhole(Gauges gauges, const PetscReal mirror[DIM], PetscReal center[DIM], PetscReal velocity[DIM],
                      PetscReal *number);
-/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the largest piece. Collective. */
-PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[]);
+#define ANY_BODY (-1)
+/* ConnectedLargest - in [n_fluid of the cloud]: whether a particle is in the piece with the most liquid of a body
+   (ANY_BODY: of all). Collective. */
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscInt body, PetscBool in[]);
 
 #endif

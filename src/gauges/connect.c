@@ -16,30 +16,3 @@ PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[])
   PetscCall(PetscFree(parent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[])
-{
-  Cloud          cloud = gauges->cloud;
-  const PetscInt up    = cloud->domain->dim - 1;
-  struct {
-    double value;
-    int    rank;
-  } deepest = {.value = PETSC_MAX_REAL, .rank = gauges->rank};
-  PetscReal *label, deepest_label = -1;
-
-  PetscFunctionBegin;
-  PetscCall(CloudGetWork(cloud, 1, &label));
-  PetscCall(ConnectedLabels(gauges, label));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal height = cloud->field[FIELD_POSITION][DIM * a + up];
-
-    if (cloud->integer[INT_BODY][a] != body || height >= deepest.value) continue;
-    deepest.value = (double)height;
-    deepest_label = label[a];
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE_INT, MPI_MINLOC, cloud->comm));
-  PetscCallMPI(MPI_Bcast(&deepest_label, 1, MPIU_REAL, deepest.rank, cloud->comm));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) connected[a] = (PetscBool)(label[a] == deepest_label);
-  PetscCall(CloudRestoreWork(cloud, &label));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

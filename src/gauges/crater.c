@@ -315,7 +315,7 @@ static PetscErrorCode CrownAndJet(Gauges gauges, const Crater *crater, PetscReal
   PetscFunctionBegin;
   for (PetscInt k = 0; k <= AZIMUTH; k++) top[k] = -PETSC_MAX_REAL;
   PetscCall(PetscMalloc1(cloud->n_fluid, &connected));
-  PetscCall(ConnectedWithBody(gauges, POOL, connected));
+  PetscCall(ConnectedLargest(gauges, POOL, connected));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal r[2];
     PetscInt  k = AZIMUTH;

@@ -47,6 +47,18 @@ static int CompareSizes(const void *a, const void *b)
   return PetscAbsReal(x - y) > ALIKE * (x + y) ? (x < y) - (x > y) : CompareLabels(a, b);
 }
 
+/* Adds a part to a piece. */
+static void Join(Piece *to, const Piece *part)
+{
+  to->particles += part->particles;
+  to->volume += part->volume;
+  for (PetscInt d = 0; d < DIM; d++) {
+    to->center[d] += part->center[d];
+    to->velocity[d] += part->velocity[d];
+    if (part->mirror[d] != 0) to->mirror[d] = part->mirror[d];
+  }
+}
+
 /* Sorts the pieces by label and adds up those of one label; returns the number of labels. Centres and velocities are
    sums weighted by volume here. */
 static PetscInt Merge(PetscInt n, Piece piece[])
@@ -55,19 +67,10 @@ static PetscInt Merge(PetscInt n, Piece piece[])
 
   if (n) qsort(piece, (size_t)n, sizeof(*piece), CompareLabels);
   for (PetscInt k = 0; k < n; k++) {
-    Piece *to = &piece[count - 1];
-
-    if (count == 0 || to->label != piece[k].label) {
+    if (count && piece[count - 1].label == piece[k].label)
+      Join(&piece[count - 1], &piece[k]);
+    else
       piece[count++] = piece[k];
-      continue;
-    }
-    to->particles += piece[k].particles;
-    to->volume += piece[k].volume;
-    for (PetscInt d = 0; d < DIM; d++) {
-      to->center[d] += piece[k].center[d];
-      to->velocity[d] += piece[k].velocity[d];
-      if (piece[k].mirror[d] != 0) to->mirror[d] = piece[k].mirror[d];
-    }
   }
   return count;
 }
@@ -103,21 +106,27 @@ static void FinishPiece(Gauges gauges, Piece *piece)
   piece->volume *= larger;
 }
 
-/* All pieces on rank 0, the largest first; none elsewhere. Free them with PetscFree. label [n_total]: of each particle.
-   Collective. */
-static PetscErrorCode LabelPieces(Gauges gauges, PetscReal label[], PetscInt *count, Piece **piece)
+/* All pieces on rank 0, as far as they are of a body (ANY_BODY: of all), the largest first; none elsewhere. Free them
+   with PetscFree. label [n_total]: of each particle. Collective. */
+static PetscErrorCode LabelPieces(Gauges gauges, PetscInt body, PetscReal label[], PetscInt *count, Piece **piece)
 {
   Cloud           cloud = gauges->cloud;
   const PetscReal touch = 0.5 * CONNECTION * cloud->domain->spacing; /* half the distance to the image */
+  PetscInt        n     = 0, total;
   Piece          *own;
-  PetscInt        total;
 
   PetscFunctionBegin;
   PetscCall(ConnectedLabels(gauges, label));
   PetscCall(PetscMalloc1(cloud->n_fluid, &own));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) own[a] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
-  PetscCall(
-    GatherTo(gauges->comm, PETSC_FALSE, PIECE_REALS * Merge(cloud->n_fluid, own), own, MPIU_REAL, &total, piece));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    if (body != ANY_BODY && cloud->integer[INT_BODY][a] != body) continue;
+    own[n] = SingleParticle(cloud, a, label[a], cloud->size[a] * touch);
+    if (n && own[n - 1].label == label[a]) /* most are: few are left to sort */
+      Join(&own[n - 1], &own[n]);
+    else
+      n++;
+  }
+  PetscCall(GatherTo(gauges->comm, PETSC_FALSE, PIECE_REALS * Merge(n, own), own, MPIU_REAL, &total, piece));
   PetscCall(PetscFree(own));
   *count = Merge(total / PIECE_REALS, *piece);
   for (PetscInt k = 0; k < *count; k++) FinishPiece(gauges, &(*piece)[k]);
@@ -131,12 +140,12 @@ static PetscErrorCode FindPieces(Gauges gauges, PetscInt *count, Piece **piece)
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(gauges->cloud, 1, &label));
-  PetscCall(LabelPieces(gauges, label, count, piece));
+  PetscCall(LabelPieces(gauges, ANY_BODY, label, count, piece));
   PetscCall(CloudRestoreWork(gauges->cloud, &label));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
+PetscErrorCode ConnectedLargest(Gauges gauges, PetscInt body, PetscBool in[])
 {
   PetscReal *label, largest = -1;
   PetscInt   count;
@@ -144,7 +153,7 @@ PetscErrorCode ConnectedLargest(Gauges gauges, PetscBool in[])
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(gauges->cloud, 1, &label));
-  PetscCall(LabelPieces(gauges, label, &count, &piece));
+  PetscCall(LabelPieces(gauges, body, label, &count, &piece));
   if (count) largest = piece[0].label;
   PetscCall(PetscFree(piece));
   PetscCallMPI(MPI_Bcast(&largest, 1, MPIU_REAL, 0, gauges->comm));

@@ -94,9 +94,6 @@ PetscErrorCode HeightsSample(Gauges gauges, PetscInt count, const PetscReal plac
 /* ConnectedLabels - label [n_total of the cloud]: for an owned fluid particle, the smallest id in its connected piece
    (CONNECTION). Cloud and swarm must hold the same state. Collective. */
 PetscErrorCode ConnectedLabels(Gauges gauges, PetscReal label[]);
-/* ConnectedWithBody - connected [n_fluid of the cloud]: whether a particle is connected with the deepest particle of a
-   body. Cloud and swarm must hold the same state. Collective. */
-PetscErrorCode ConnectedWithBody(Gauges gauges, PetscInt body, PetscBool connected[]);
 
 /* --- crater_setup.c --- */
 #define POOL 0 /* the first body is that in which a crater forms */

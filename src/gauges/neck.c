@@ -118,7 +118,7 @@ static PetscErrorCode Measure_Neck(Gauges gauges, const void *data, PetscReal va
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(gauges->cloud->n_fluid, &main));
   PetscCall(PetscCalloc1(bins, &diameter));
-  PetscCall(ConnectedLargest(gauges, main));
+  PetscCall(ConnectedLargest(gauges, ANY_BODY, main));
   AddSections(gauges, axis, main, bin, bins, diameter);
   PetscCall(PetscFree(main));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, diameter, (PetscMPIInt)bins, MPIU_REAL, MPIU_SUM, gauges->comm));

@@ -395,7 +395,7 @@ static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal 
   PetscCall(SortedCellsBuild(&cover.cells, cloud, cloud->n_total, all,
                              COVER * KernelSupport(cloud->kernel) * DomainSizeMax(cloud->domain),
                              COVER * KernelSupport(cloud->kernel) * DomainSizeMax(cloud->domain)));
-  PetscCall(ConnectedLargest(gauges, main));
+  PetscCall(ConnectedLargest(gauges, ANY_BODY, main));
   for (PetscInt r = 0; r < n; r++) cover.wedge[r] = 0.5;
   PetscCall(SumAreas(&cover));
   for (PetscInt r = 0; r < n; r++) {

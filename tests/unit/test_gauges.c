@@ -22,6 +22,12 @@ static int Flat(PetscReal r, PetscReal z)
   return z < FILM;
 }
 
+/* A crumb below the film is deeper than it, and no part of it. */
+static int Crumb(PetscReal r, PetscReal z)
+{
+  return Flat(r, z) && (z > 1e-3 || (r < 0.5e-3 && z < 0.5e-3));
+}
+
 static int Bowl(PetscReal r, PetscReal z)
 {
   return z < FILM && r * r + (z - FILM) * (z - FILM) > CRATER * CRATER;
@@ -85,6 +91,7 @@ static const Case cases[] = {
   {"flat jittered", FULL BODIES_3D, Flat, 0.25, 0, 0, 0, 0, 0.3},
   {"flat quarter", QUARTER BODIES_3D, Flat, 0.2, 0, 0, 0, 0, 0.3},
   {"flat plane", PLANE BODIES_2D, Flat, 0.2, 0, 0, 0, 0, 0.3},
+  {"crumb", FULL BODIES_3D, Crumb, 0, 0, 0, 0, 0, 1e-6},
   {"void", FULL BODIES_3D, Void, 0.2, 0, 0, 0, 0, 0.3},
   {"drop above", FULL BODIES_3D, Above, 0, 0, 0, 0, 0, 1e-6},
   {"bowl", FULL BODIES_3D "-gauge_level 10e-3 ", Bowl, 0, 12, 24, 0, -11.2, 0.6},
