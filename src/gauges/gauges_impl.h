@@ -73,8 +73,8 @@ PetscBool InsideSolid(Gauges gauges, PetscReal distance);
    collective. PointsSample - pressure (Pa), velocity (dim components, m/s) and the n SampledFields at 'count' points at
    ([count][dim], m); values [count][1 + dim + n]. The value is that of the linear function that fits the fluid
    within the kernel's support best, weighted by V W, through periodic faces and mirrors, but not through solids: a
-   point on a wall or a solid reads the fluid in front, continued to it. Where liquid is thin it is the mean. In open air the pressure is 0, in a pocket of gas its own, and all else NAN. Inside a
-   solid all is NAN. Collective. */
+   point on a wall or a solid reads the fluid in front, continued to it. Where liquid is thin it is the mean. In open
+   air the pressure is 0, in a pocket of gas its own, and all else NAN. Inside a solid all is NAN. Collective. */
 PetscInt       SampledFields(Gauges gauges, FieldId fields[FIELD_STORED_COUNT]);
 PetscErrorCode PointsSample(Gauges gauges, PetscInt count, const PetscReal at[], PetscReal values[]);
 
