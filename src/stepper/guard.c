@@ -28,24 +28,26 @@ static PetscReal Opposite(Cloud cloud, PetscInt solid, const PetscReal x[DIM], c
   return least;
 }
 
-/* A gap between a solid and a wall, or two solids, may be narrower than the guard needs on both sides: there it moves a
-   particle to the middle, and room[a] is half of the gap (m). Else each side in turn moves it, up to out of the other
-   end of the solid, however short the step. */
+/* The guard's distance is for a particle of the fine spacing; a larger one needs more. A gap between a solid and a
+   wall, or two solids, may be narrower than the guard needs on both sides: there it moves a particle to the middle, and
+   room[a] is half of the gap (m). Else each side in turn moves it, up to out of the other end of the solid, however
+   short the step. */
 static void GuardGaps(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal room[])
 {
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
-    const PetscReal s     = SceneSolidWithin(cloud->scene, 2 * distance, x + DIM * a, &solid);
-    PetscReal       image[DIM], n[DIM], w;
+    const PetscReal least = distance * cloud->size[a],
+                    s     = SceneSolidWithin(cloud->scene, 2 * least, x + DIM * a, &solid);
+    PetscReal image[DIM], n[DIM], w;
 
-    room[a] = distance;
-    if (s >= 2 * distance) continue;
+    room[a] = least;
+    if (s >= 2 * least) continue;
     (void)BodyNearest(SceneSolid(cloud->scene, solid), x + DIM * a, image);
     DistanceNormal(cloud->scene, SceneOneDistance, solid, image, n);
     w = Opposite(cloud, solid, x + DIM * a, n);
-    if (w + s >= 2 * distance) continue;
+    if (w + s >= 2 * least) continue;
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += 0.5 * (w - s) * n[d];
-    room[a] = 0.5 * (w + s) + TOUCH * distance;
+    room[a] = 0.5 * (w + s) + TOUCH * least;
   }
 }
 
@@ -58,7 +60,7 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, const PetscReal ro
                   wall_velocity = domain->wall_velocity[d][side][d];
 
   for (PetscInt k = d; k < DIM * cloud->n_fluid; k += DIM) {
-    const PetscReal least = room[k / DIM] * cloud->size[k / DIM];
+    const PetscReal least = room[k / DIM];
 
     if (wall && inwards * (x[k] - at) < least) {
       x[k] = at + inwards * least;

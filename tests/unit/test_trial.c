@@ -263,7 +263,8 @@ static PetscErrorCode AddPush(const Step *step, PetscInt solid, const PetscReal 
   return PETSC_SUCCESS;
 }
 
-static PetscErrorCode TestGuard(void)
+/* With particles of this size, whose guard is as much wider. */
+static PetscErrorCode TestGuard(PetscReal size)
 {
   static const Edge        adds    = {.name = "adds", .push = AddPush};
   static const Edge *const edges[] = {&adds, NULL};
@@ -284,6 +285,7 @@ static PetscErrorCode TestGuard(void)
   Setup          s;
 
   PetscFunctionBegin;
+  PetscCall(PetscArrayzero(taken, DIM));
   for (PetscInt k = 0; k < n; k++) {
     points[DIM * k]     = 0.5 + 0.25 * (k % 4); /* somewhere in the box */
     points[DIM * k + 1] = 0.5 + 0.25 * (k / 4);
@@ -302,7 +304,8 @@ static PetscErrorCode TestGuard(void)
       v[DIM * a + d] = c->before[2 + d];
     }
   stepper.cloud = stepper.now.cloud = s.cloud;
-  PetscCall(WallGuard(&stepper, 0.025, x, v));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->size[a] = size;
+  PetscCall(WallGuard(&stepper, 0.025 / size, x, v));
   CHECK_CLOSE(SetupSum(taken[0]), -1, 1e-9, "guard_takes_momentum_x");
   CHECK_CLOSE(SetupSum(taken[1]), 1, 1e-9, "guard_takes_momentum_y");
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
@@ -603,7 +606,8 @@ int main(int argc, char **argv)
   PetscCall(TestDensities());
   PetscCall(TestRefused());
   PetscCall(TestSums());
-  PetscCall(TestGuard());
+  PetscCall(TestGuard(1));
+  PetscCall(TestGuard(2));
   PetscCall(TestWork());
   PetscCall(TestImplicit(PETSC_FALSE));
   PetscCall(TestImplicit(PETSC_TRUE));
