@@ -126,7 +126,7 @@ static PetscErrorCode Measure_Roughness(Gauges gauges, const void *data, PetscRe
   }
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscCall(CloudRestoreWork(cloud, &place));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPI_SUM, gauges->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, gauges->comm));
   if (sum[1] > 0) *roughness = PetscSqrtReal(sum[0] / sum[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

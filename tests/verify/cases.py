@@ -269,7 +269,7 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("drop_collision", "two sizes, two liquids", COLLIDE + "unequal.opts"),
             Entry("sessile_drop"), Entry("sessile_drop", "rings", file=RINGS), Entry("my_liquid", size=TEST),
             Entry("sessile_drop", "rings, 0.1 mm", "-spacing 0.1e-3 -time_end 0.4", file=RINGS), Entry("thin_film"),
-            Entry("deep_pool"), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
+            Entry("deep_pool", packings=3), Entry("dry_wall"), Entry("printed_line"), Entry("obstacle"),
             Entry("sloshing"), Entry("sloshing", "air in the corner of the roof", file="pocket.opts"), Entry("jet"),
             Entry("weir"), Entry("pump"), Entry("boat_at_wall")]
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
