@@ -51,7 +51,7 @@ class Quantity:
         if name not in series:
             raise tables.Error(f"QUANTITY={self.text}: the series has no column {name}; there are: "
                                   f"{', '.join(column for column in series if column != 'time')}.")
-        t, y = np.array(series["time"]), factor * np.array(series[name])
+        t, y = np.array(tables.clock(series, self.row or {})), factor * np.array(series[name])
         return t[t <= end], y[t <= end]
 
     def of(self, series, end=math.inf):
@@ -63,8 +63,9 @@ class Quantity:
         if self.take in ("at", "mean"):
             if end < self.times[-1]:
                 return float(y[-1])
-            if self.times[-1] > t[-1] * (1 + 1e-9) or self.times[0] < t[0]:
-                raise tables.Error(f"QUANTITY={self.text}: the run has times from {t[0]:g} to {t[-1]:g} s.")
+            first, last = series["time"][0], series["time"][-1]
+            if self.times[-1] > last * (1 + 1e-9) or self.times[0] < first:
+                raise tables.Error(f"QUANTITY={self.text}: the run has times from {first:g} to {last:g} s.")
             wanted = self.times if self.take == "at" else np.linspace(*self.times, 1000)
             return float(np.interp(wanted, t, y).mean())
         if self.take == "settles":

@@ -104,6 +104,7 @@ static PetscErrorCode ReadHead(Output output, const char path[], Snapshot *snaps
                    "%s has no %s, which -measure needs: -snapshot_fields of the run left it out", path,
                    Fields[needed[k]].name);
   (void)H5FileGetReal(&snapshot->h5, "level", &level);
+  if (!H5FileGetReal(&snapshot->h5, "pressure_time", &state->pressure_time)) state->pressure_time = NAN;
   if (!PetscIsInfOrNanReal(level)) GaugesSetLevel(output->gauges, level);
   state->step    = (PetscInt)step;
   snapshot->rows = (Rows){.n = (PetscInt)n, .total = (PetscInt)n, .width = 1};

@@ -17,6 +17,7 @@ typedef struct {
   X("time", "s", COUNTS_VALUE, 0, v->state->time)                                                                      \
   X("step", NULL, COUNTS_RUN, 0, v->state->step)                                                                       \
   X("time_step", "s", COUNTS_RUN, NEEDS_STEP, v->state->time_step)                                                     \
+  X("pressure_time", "s", COUNTS_VALUE, NEEDS_PRESSURE, v->state->pressure_time)                                       \
   X("kinetic_energy", "J", COUNTS_SUM, 0, v->totals.kinetic_energy)                                                    \
   X("iterations", NULL, COUNTS_RUN, NEEDS_STEP, v->state->iterations)                                                  \
   X("highest", "m", COUNTS_VALUE, 0, v->totals.highest)                                                                \

@@ -119,6 +119,7 @@ static void WriteHead(Output output, const StepState *state, const SnapshotEntry
   H5FilePutText(h5, "version", ISPH_VERSION);
   H5FilePutReal(h5, "time", 1, &state->time);
   H5FilePutReal(h5, "time_step", 1, &state->time_step);
+  H5FilePutReal(h5, "pressure_time", 1, &state->pressure_time);
   H5FilePutInt(h5, "step", state->step);
   H5FilePutInt(h5, "particles", entry->n);
   H5FilePutInt(h5, "precision", entry->precision);

@@ -14,6 +14,7 @@
 const NumberRow StateRows[] = {
   NUMBER(time, NUMBER_REAL),
   NUMBER(time_step, NUMBER_SPAN),
+  NUMBER(pressure_time, NUMBER_REAL),
   NUMBER(previous_time_step, NUMBER_SPAN),
   NUMBER(step, NUMBER_COUNT),
   NUMBER(iterations, NUMBER_COUNT),

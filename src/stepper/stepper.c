@@ -305,8 +305,8 @@ static void RecordExchange(const PetscReal sum[], PetscReal tension, StepState *
   state->kinetic_most   = PetscMax(state->kinetic_most, state->kinetic_energy);
 }
 
-/* The state after an accepted step of size dt. */
-static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, StepState *state)
+/* The state after an accepted step of size dt. The pressures balance the forces, so they hold when these act. */
+static void RecordStep(const StepTrial *trial, PetscReal force_time, PetscReal dt, PetscReal end, StepState *state)
 {
   const PetscReal *sum     = trial->sum;
   PetscReal        tension = sum[SUM_TENSION_WORK];
@@ -314,6 +314,7 @@ static void RecordStep(const StepTrial *trial, PetscReal dt, PetscReal end, Step
   for (const PetscReal *of = sum + SUM_SURFACES; of <= sum + SUM_SURFACES_LAST; of += SURFACE_SUMS)
     if (of[1] > 0) tension -= of[0] * of[2] / of[1];
 
+  state->pressure_time      = state->time + force_time * dt;
   state->time               = PetscAbsReal(end - state->time - dt) <= 1e-9 * dt ? end : state->time + dt;
   state->time_step          = dt;
   state->previous_time_step = dt;
@@ -382,7 +383,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   PetscCall(CloudCommit(cloud, &state->lost, &state->outflow_energy));
   trial->lost       = state->lost - lost;
   state->iterations = iterations;
-  RecordStep(trial, dt, end, state);
+  RecordStep(trial, stepper->force_time, dt, end, state);
   stepper->underresolved = (PetscInt)trial->sum[SUM_UNDERRESOLVED];
   StepHook(stepper, commit, &step, state);
   PetscFunctionReturn(PETSC_SUCCESS);

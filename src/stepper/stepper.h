@@ -12,6 +12,7 @@ typedef struct _p_Stepper *Stepper;
 /* The state of a run besides the particles, as a restart needs it; the same on every rank; SI units. */
 typedef struct {
   PetscReal time, time_step;
+  PetscReal pressure_time; /* of the step's pressures: its middle, or its start where forces act there, s */
   PetscInt  step, iterations;
   PetscReal density_error;      /* rms of (rho - rho_0)/rho_0 over particles inside the liquid, 1 */
   PetscReal divergence;         /* rms of the velocity divergence inside times the time step, 1; nan: not measured */

@@ -194,6 +194,10 @@ def quantities():
         one.find(rows)
         runs.check_within(one.of(series), value - 1e-9, value + 1e-9, f"quantity_{text}")
         runs.check(one.unit() == ("s" if "time_of" in text or "settles" in text else "m"), f"unit_{text}", one.unit())
+    held = quantity.Quantity("p:at=1")
+    held.find(rows)
+    runs.check_within(held.of({**series, "pressure_time": [0, 0.5, 1.5, 2.5]}), 6 - 1e-9, 6 + 1e-9,
+                      "a_pressure_at_its_own_time")
     for text in ("b:at=0.5", "gap:at=1.5", "gap:mean=0,2.9"):
         runs.check(math.isnan(quantity.Quantity(text).of(series)), f"no_bridge_{text}")
     for text, words in (("a:end", "still changes"), ("gap:end", "gaps between"), ("late:max", "from 2 to 2.9 s only"),

@@ -21,6 +21,7 @@ static int Low(PetscReal r, PetscReal z)
 
 static StepState state = {.time           = 0.125,
                           .time_step      = 2e-3,
+                          .pressure_time  = 0.124,
                           .step           = 41,
                           .iterations     = 17,
                           .density_error  = 0.011,
@@ -75,6 +76,7 @@ static PetscErrorCode TestSeries(void)
   } columns[] = {{"time_s", 0.125},
                  {"step", 41},
                  {"time_step_s", 2e-3},
+                 {"pressure_time_s", 0.124},
                  {"kinetic_energy_J/m", kinetic},
                  {"iterations", 17},
                  {"highest_m", 3e-3},

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import launch
 from .running import Job, name_of, words_of
-from .tables import Error
+from .tables import Error, clock
 
 COARSER = (2.0, 2**0.5, 1.0)  # times the scene's spacing, the cheapest first
 SCAN = {1: 7, 2: 4, 3: 3}  # values of each option that are tried first, of so many options
@@ -54,7 +54,7 @@ class Curve:
         if not row or row["name"] in ("time", "step"):
             raise Error(f"the series of this scene has no column {head}; it has "
                         f"{', '.join(row['name'] for row in rows[2:])}")
-        self.column, self.unit = row["name"], row["unit"]
+        self.row, self.column, self.unit = row, row["name"], row["unit"]
         there = np.isfinite(self.times) & np.isfinite(self.values)
         order = np.argsort(self.times[there], kind="stable")
         self.times, self.values = self.times[there][order], self.values[there][order]
@@ -69,7 +69,7 @@ class Curve:
         """The same curve of a run: (times or places, values)."""
         if self.column == OUTLINE:
             return self.times, np.array([series[f"height_{k + 1}"][-1] for k in range(len(self.times))])
-        return series["time"], series[self.column]
+        return np.array(clock(series, self.row)), series[self.column]
 
     @staticmethod
     def read(path, column):

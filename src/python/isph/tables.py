@@ -89,6 +89,12 @@ def read_series(folder):
     return read_table(os.path.join(folder, "series.csv"), names)
 
 
+def clock(series, row):
+    """The times (s) at which the values of a column hold: of pressures and forces those of pressure_time."""
+    held = series["pressure_time"] if "pressure" in row.get("needs", ()) and "pressure_time" in series else ()
+    return [then if math.isfinite(then) else time for time, then in zip(series["time"], held)] or series["time"]
+
+
 def last_time(folder):
     """The time (s) of the last whole line of a run's series, which may still be written."""
     with open(os.path.join(folder, "series.csv"), "rb") as file:
