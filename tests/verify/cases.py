@@ -154,7 +154,7 @@ ENTRIES += both("central_force", "", CORRECTED, spacings=(0.08, 0.04, 0.02))
 ENTRIES += [Entry("central_force", "R/d0 = 20", CORRECTED + " -spacing 0.05", TEST)]
 
 # gravity and a free surface
-WAVE = f"{QUINTIC} {REGULAR} -time_centered -pressure_gradient symmetric"
+WAVE = ""
 ENTRIES += [Entry("standing_wave", "40 spacings", WAVE + " -spacing 0.025 -time_end 2", TEST)]
 ENTRIES += [Entry("standing_wave", "50 spacings", WAVE + " -spacing 0.02", spacings=(0.04, 0.02, 0.0125)),
             Entry("standing_wave", "50 spacings", PRINTED + "-spacing 0.02", printed=True),
