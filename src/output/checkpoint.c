@@ -310,7 +310,9 @@ static PetscErrorCode HeadCheckNumbers(Output output, const char file[], const H
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode HeadCheck(Output output, const char file[], const Head *head, FileVerdict verdict)
+/* turns: rings of any spacing become particles in space. */
+static PetscErrorCode HeadCheck(Output output, const char file[], const Head *head, PetscBool turns,
+                                FileVerdict verdict)
 {
   const Domain    domain  = output->cloud->domain;
   const PetscReal spacing = head->spacing;
@@ -326,9 +328,10 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
                  file);
   PetscCheckUser(verdict != FILE_BROKEN, comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
-  PetscCheckUser(head->dimension == domain->dim, comm, "The checkpoint %s has %d dimensions, the scene has %d.", file,
-                 (int)head->dimension, (int)domain->dim);
-  PetscCheckUser(PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm,
+  PetscCheckUser(turns || head->dimension == domain->dim, comm,
+                 "The checkpoint %s has %d dimensions, the scene has %d.", file, (int)head->dimension,
+                 (int)domain->dim);
+  PetscCheckUser(turns || PetscAbsReal(spacing - domain->spacing) <= 1e-12 * domain->spacing, comm,
                  "The checkpoint %s has particles of spacing %g m, the scene of %g m.", file, (double)spacing,
                  (double)domain->spacing);
   PetscCheckUser(head->bodies == bodies, comm, "The checkpoint %s has %d bodies, the scene has %d.", file,
@@ -445,31 +448,17 @@ PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
+/* The particles, and the numbers of edges, of a checkpoint of this scene. */
+static PetscErrorCode ParticlesGet(Output output, const char file[], const char stored[], Head *head)
 {
-  Head        head;
-  FileVerdict verdict = FILE_MISSING;
-  H5File      h5;
-  Seal        seal;
-  PetscBool   failed, external, good = PETSC_FALSE;
-  PetscInt    present;
-  Texts      *texts;
+  H5File    h5;
+  PetscBool failed, external, good = PETSC_FALSE;
 
   PetscFunctionBegin;
-  ProgressBegin("the restart", "the checkpoint is as it was");
-  PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
-  PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
-  PetscCall(PetscMemzero(&head, sizeof(head)));
-  PetscCall(FileCheckSeal(output->comm, file, &seal));
-  PetscCall(PetscNew(&texts));
-  if (!output->rank) PetscCall(HeadGet(file, seal, &head, texts, &verdict));
-  PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
-  PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
-  PetscCall(HeadCheck(output, file, &head, verdict));
-  PetscCall(RestartSceneCheck(output, file, texts->scene));
+  PetscCall(RestartSceneCheck(output, file, stored));
   PetscCall(H5FileOpen(output->comm, file, &h5));
-  PetscCall(FieldsGet(output, &h5, &head, &good));
-  PetscCall(Tables(output, &h5, &head.state, PETSC_FALSE, &good));
+  PetscCall(FieldsGet(output, &h5, head, &good));
+  PetscCall(Tables(output, &h5, &head->state, PETSC_FALSE, &good));
   external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));
   PetscCheckUser(!external, output->comm,
@@ -479,10 +468,45 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state)
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   PetscCall(RestartCheckParticles(output, file));
-  PetscCall(MoveWalls(output));
-  InterruptCheckpoint(file);
-  HeadUse(output, &head, state);
-  PetscCall(RestartOptionsSay(output, texts->options));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, ParticleArrays *rings)
+{
+  Head        head;
+  FileVerdict verdict = FILE_MISSING;
+  Seal        seal;
+  PetscBool   turns = PETSC_FALSE;
+  PetscInt    present;
+  Texts      *texts;
+
+  PetscFunctionBegin;
+  ProgressBegin("the restart", "the checkpoint is as it was");
+  PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
+  PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
+  PetscCall(PetscMemzero(&head, sizeof(head)));
+  PetscCall(PetscMemzero(rings, sizeof(*rings)));
+  PetscCall(FileCheckSeal(output->comm, file, &seal));
+  PetscCall(PetscNew(&texts));
+  if (!output->rank) {
+    PetscCall(HeadGet(file, seal, &head, texts, &verdict));
+    turns = RestartTurns(output, texts->scene);
+  }
+  PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
+  PetscCallMPI(MPI_Bcast(&turns, sizeof(turns), MPI_BYTE, 0, output->comm));
+  PetscCall(HeadCheck(output, file, &head, turns, verdict));
+  if (turns) {
+    PetscCall(RestartRings(output, file, texts->scene, head.particles, rings));
+    state->time = head.state.time;
+    GaugesSetLevel(output->gauges, head.level);
+  } else {
+    PetscCall(ParticlesGet(output, file, texts->scene, &head));
+    PetscCall(MoveWalls(output));
+    InterruptCheckpoint(file);
+    HeadUse(output, &head, state);
+    PetscCall(RestartOptionsSay(output, texts->options));
+  }
   PetscCall(PetscFree(texts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

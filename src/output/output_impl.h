@@ -136,6 +136,13 @@ PetscErrorCode RestartSceneCheck(Output output, const char file[], const char st
 PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 
 /* --- restart_check.c --- */
+/* RestartTurns - whether the scene is in space and the text of RestartSceneCheck one of rings. RestartRings - the
+   liquid of a checkpoint of so many rings and dummies, every rank has all: positions, bodies and what the file has
+   besides, to be freed with OutputRingsDestroy. Refuses (UserError) rings of other liquid, and a box that is wider than
+   theirs. Collective. */
+PetscBool      RestartTurns(Output output, const char stored[]);
+PetscErrorCode RestartRings(Output output, const char file[], const char stored[], PetscInt particles,
+                            ParticleArrays *rings);
 /* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not
    finite, positions outside the box, bodies that the scene does not have. Collective. */
 PetscErrorCode RestartCheckParticles(Output output, const char file[]);

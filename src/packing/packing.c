@@ -110,7 +110,7 @@ static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
   const Domain       domain  = cloud->domain;
-  const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops->visit,
+  const SampleSource visit[] = {domain->graded || packing->rings ? GradedVisit : packing->ops->visit,
                                 domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
   Dummies  dummies                                 = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
   void    *source[]                                = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
@@ -156,10 +156,15 @@ static PetscErrorCode SetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void PackingTurn(Packing packing, const ParticleArrays *rings)
+{
+  packing->rings = rings;
+}
+
 PetscErrorCode PackingSetVelocities(Packing packing)
 {
   PetscFunctionBegin;
-  PetscCall(SetVelocities(packing));
+  if (!packing->rings) PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(packing->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -174,12 +179,13 @@ PetscErrorCode PackingRun(Packing packing, PackingReport *report)
   PetscCall(PetscMemzero(report, sizeof(*report)));
   PetscCall(PackingCheckMemory(packing));
   ProgressBegin("the packing", "no step was computed");
-  if (packing->ops->setup) PetscCall(packing->ops->setup(packing, report));
+  if (packing->ops->setup && !packing->rings) PetscCall(packing->ops->setup(packing, report));
+  if (packing->rings) PetscCall(TurnedSetUp(packing));
   if (cloud->domain->graded) PetscCall(GradedSetUp(packing));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));
-  if (packing->ops->improve) PetscCall(packing->ops->improve(packing, report));
-  PetscCall(SetVelocities(packing));
+  if (packing->ops->improve && !packing->rings) PetscCall(packing->ops->improve(packing, report));
+  PetscCall(packing->rings ? TurnedCarry(packing) : SetVelocities(packing));
   PetscCall(CloudResync(cloud));
   PetscCall(PackingMeasure(packing, report));
   PetscCall(CloudCommit(cloud, &lost, NULL));

@@ -130,9 +130,12 @@ static PetscErrorCode WriteRun(void)
 
 static PetscErrorCode TryRestart(const char options[], const char file[], Run *run, StepState *state)
 {
+  ParticleArrays rings;
+
   PetscFunctionBegin;
   PetscCall(RunCreate(options, run));
-  PetscCall(OutputRestart(run->output, file, state));
+  PetscCall(OutputRestart(run->output, file, state, &rings));
+  PetscCall(OutputRingsDestroy(&rings));
   PetscCall(OutputSetUp(run->output, file, state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
