@@ -448,35 +448,13 @@ PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The particles, and the numbers of edges, of a checkpoint of this scene. */
-static PetscErrorCode ParticlesGet(Output output, const char file[], const char stored[], Head *head)
-{
-  H5File    h5;
-  PetscBool failed, external, good = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  PetscCall(RestartSceneCheck(output, file, stored));
-  PetscCall(H5FileOpen(output->comm, file, &h5));
-  PetscCall(FieldsGet(output, &h5, head, &good));
-  PetscCall(Tables(output, &h5, &head->state, PETSC_FALSE, &good));
-  external = h5.external;
-  PetscCall(H5FileClose(&h5, &failed));
-  PetscCheckUser(!external, output->comm,
-                 "The checkpoint %s cannot be used: some of its data lie behind a link or in another file; restart "
-                 "from another one.",
-                 file);
-  PetscCheckUser(good && !failed, output->comm,
-                 "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
-  PetscCall(RestartCheckParticles(output, file));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, ParticleArrays *rings)
+PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, PetscBool *turned)
 {
   Head        head;
   FileVerdict verdict = FILE_MISSING;
+  H5File      h5;
   Seal        seal;
-  PetscBool   turns = PETSC_FALSE;
+  PetscBool   failed, external, good = PETSC_FALSE;
   PetscInt    present;
   Texts      *texts;
 
@@ -485,28 +463,38 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state,
   PetscCall(ParticlesGlobalSize(output->cloud->particles, &present));
   PetscCheck(!present, output->comm, PETSC_ERR_ORDER, "A restart needs an empty swarm");
   PetscCall(PetscMemzero(&head, sizeof(head)));
-  PetscCall(PetscMemzero(rings, sizeof(*rings)));
   PetscCall(FileCheckSeal(output->comm, file, &seal));
   PetscCall(PetscNew(&texts));
-  if (!output->rank) {
-    PetscCall(HeadGet(file, seal, &head, texts, &verdict));
-    turns = RestartTurns(output, texts->scene);
-  }
+  if (!output->rank) PetscCall(HeadGet(file, seal, &head, texts, &verdict));
+  *turned = RestartTurns(output, texts->scene);
+  PetscCallMPI(MPI_Bcast(turned, 1, MPIU_BOOL, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
-  PetscCallMPI(MPI_Bcast(&turns, sizeof(turns), MPI_BYTE, 0, output->comm));
-  PetscCall(HeadCheck(output, file, &head, turns, verdict));
-  if (turns) {
-    PetscCall(RestartRings(output, file, texts->scene, head.particles, rings));
+  PetscCall(HeadCheck(output, file, &head, *turned, verdict));
+  PetscCall(H5FileOpen(output->comm, file, &h5));
+  PetscCall(*turned ? RestartRingsCheck(output, file, texts->scene, &h5)
+                    : RestartSceneCheck(output, file, texts->scene));
+  PetscCall(FieldsGet(output, &h5, &head, &good));
+  if (!*turned) PetscCall(Tables(output, &h5, &head.state, PETSC_FALSE, &good));
+  external = h5.external;
+  PetscCall(H5FileClose(&h5, &failed));
+  PetscCheckUser(!external, output->comm,
+                 "The checkpoint %s cannot be used: some of its data lie behind a link or in another file; restart "
+                 "from another one.",
+                 file);
+  PetscCheckUser(good && !failed, output->comm,
+                 "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
+  if (*turned) {
+    PetscCall(RestartTurn(output, file));
     state->time = head.state.time;
     GaugesSetLevel(output->gauges, head.level);
   } else {
-    PetscCall(ParticlesGet(output, file, texts->scene, &head));
     PetscCall(MoveWalls(output));
     InterruptCheckpoint(file);
     HeadUse(output, &head, state);
     PetscCall(RestartOptionsSay(output, texts->options));
   }
+  PetscCall(RestartCheckParticles(output, file));
   PetscCall(PetscFree(texts));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

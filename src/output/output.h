@@ -61,11 +61,10 @@ PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN]);
 /* OutputRestart - fills the (empty) swarm from a checkpoint and sets the state: on as many ranks as wrote it, every
    rank gets the particles it had, in their order; on another number, equal slabs of the file. Refuses (UserError) a
    file that is missing, truncated, damaged or no checkpoint, a checkpoint of another scene, numbers that no run leaves,
-   and data outside the file. Writes nothing. Call OutputSetUp and CloudResync afterwards. A scene in space whose
-   checkpoint is of rings gets its time alone, and 'rings' for PackingTurn, which are none (n = 0) otherwise.
-   Collective. OutputRingsDestroy - frees them. */
-PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, ParticleArrays *rings);
-PetscErrorCode OutputRingsDestroy(ParticleArrays *rings);
+   and data outside the file. Writes nothing. Call OutputSetUp and CloudResync afterwards. turned: the checkpoint is of
+   rings, and the scene in space; then the swarm has liquid alone, the state the time, and PackingRun follows.
+   Collective. */
+PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, PetscBool *turned);
 /* OutputEachColumn - calls visit(context, file, column, words) for each column of series.csv and of the tables of
    gauges that this run writes ("series.csv", "droplets.csv", ...), in their order, and for each field of its snapshots
    (file "snapshot"); words: those of GaugesColumnWords. Every gauge must know its options and forces. Not collective.

@@ -135,14 +135,15 @@ PetscErrorCode DescribeRun(Output output, PetscBool same);
 PetscErrorCode RestartSceneCheck(Output output, const char file[], const char stored[]);
 PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 
-/* --- restart_check.c --- */
-/* RestartTurns - whether the scene is in space and the text of RestartSceneCheck one of rings. RestartRings - the
-   liquid of a checkpoint of so many rings and dummies, every rank has all: positions, bodies and what the file has
-   besides, to be freed with OutputRingsDestroy. Refuses (UserError) rings of other liquid, and a box that is wider than
-   theirs. Collective. */
+/* --- rings.c --- */
+/* RestartTurns - whether the scene is in space and the text of RestartSceneCheck one of rings. RestartRingsCheck -
+   refuses (UserError) rings of another liquid, or that do not fill the box or carry too little, and a spacing that does
+   not adapt. RestartTurn - makes the rings in the swarm the particles of the scene. Collective. */
 PetscBool      RestartTurns(Output output, const char stored[]);
-PetscErrorCode RestartRings(Output output, const char file[], const char stored[], PetscInt particles,
-                            ParticleArrays *rings);
+PetscErrorCode RestartRingsCheck(Output output, const char file[], const char stored[], H5File *h5);
+PetscErrorCode RestartTurn(Output output, const char file[]);
+
+/* --- restart_check.c --- */
 /* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not
    finite, positions outside the box, bodies that the scene does not have. Collective. */
 PetscErrorCode RestartCheckParticles(Output output, const char file[]);

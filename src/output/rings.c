@@ -1,135 +1,181 @@
-/* Rings of a checkpoint for a scene in space, whose liquid they become: see PackingTurn. */
+/* A restart of a scene in space from rings about the axis x = y = 0. A ring becomes particles at equal angles, about as
+   far apart as its section is wide, with all that it carries; as many in each quarter, so that mirrors through the axis
+   cut none. They join and split to the spacing that the scene wants in the run's own time (resampling/). */
 #include "output_impl.h"
 #include <stdio.h>
 #include <stdlib.h>
 
-#define FLAW 512 /* characters */
+#define FLAW     512  /* characters */
+#define QUARTERS 4    /* of a turn */
+#define ASIDE    0.25 /* sizes: least distance from the sides of the box, whose mirrors have images */
 
 PetscBool RestartTurns(Output output, const char stored[])
 {
   return (PetscBool)(output->cloud->domain->dim == 3 && strstr(stored, "-dimension = axisymmetric\n") != NULL);
 }
 
-/* Whether a line of CloudIdentity says who the liquid is and what it weighs: the same as rings and in space. */
-static PetscBool OfLiquid(const char line[], size_t length)
-{
-  static const char density[] = "_density =";
-  const char       *found     = strstr(line, density);
-
-  return (PetscBool)(!strncmp(line, "body ", 5) || (found && found < line + length));
-}
-
-/* Finds the first line of 'text' about the liquid that 'stored' lacks. */
+/* Finds the first line of 'text' on bodies and densities that 'stored' lacks. */
 static void CompareLiquid(const char text[], const char stored[], char flaw[FLAW])
 {
   for (const char *line = text; *line && !flaw[0]; line += strcspn(line, "\n") + 1) {
-    const size_t length = strcspn(line, "\n");
-    char         wanted[FLAW];
+    const int length = (int)strcspn(line, "\n");
+    char      wanted[FLAW / 2];
 
-    (void)snprintf(wanted, sizeof(wanted), "\n%.*s\n", (int)length, line);
-    if (OfLiquid(line, length) && !strstr(stored, wanted))
-      (void)snprintf(flaw, FLAW, "its rings are of other liquid, without %.*s", (int)PetscMin(length, FLAW / 2), line);
+    (void)snprintf(wanted, sizeof(wanted), "\n%.*s\n", length, line);
+    if ((!strncmp(line, "body ", 5) || strstr(wanted, "_density = ")) && !strstr(stored, wanted))
+      (void)snprintf(flaw, FLAW, "its rings are of other liquid, without %.*s", FLAW / 2, line);
+    flaw[strcspn(flaw, "\n")] = 0;
   }
 }
 
-/* Rings that end at the outer face of their box cannot fill a wider one. */
-static void CompareBoxes(Domain domain, const ParticleArrays *rings, const char stored[], char flaw[FLAW])
+/* The rings have to fill the box: down to its floor, and as far as its corners. */
+static void CompareBoxes(Domain domain, const char stored[], char flaw[FLAW])
 {
-  static const char name[] = "\n-box_upper = ";
-  const char       *found  = strstr(stored, name);
-  const double      outer  = found ? atof(found + strlen(name)) : 0;
-  PetscReal         widest = 0, corner = 0;
+  const char *lower = strstr(stored, "-box_lower = "), *upper = strstr(stored, "-box_upper = ");
+  double      floor = 0, outer = 0;
+  PetscReal   corner = 0;
 
-  for (PetscInt a = 0; a < rings->n; a++) {
-    const PetscReal r = rings->real[FIELD_POSITION][DIM * a];
-
-    widest = PetscMax(widest, r + PetscSqrtReal(rings->real[FIELD_VOLUME][a] / (2 * PETSC_PI * r)));
-  }
   for (PetscInt d = 0; d < 2; d++)
     corner += PetscSqr(PetscMax(PetscAbsReal(domain->lower[d]), PetscAbsReal(domain->upper[d])));
   corner = PetscSqrtReal(corner);
-  if (widest >= outer && outer < corner * (1 - POINT_TOLERANCE))
-    (void)snprintf(flaw, FLAW,
-                   "its rings reach to the side of their box, %g m from the axis, and the corners of this box are %g m "
-                   "from x = y = 0: compute the rings in a box at least as wide",
+  if (lower) (void)sscanf(lower, "-box_lower = %*[^,],%lf", &floor);
+  if (upper) (void)sscanf(upper, "-box_upper = %lf", &outer);
+  if (outer < corner)
+    (void)snprintf(flaw, FLAW, "its box is %g m wide, and the corners of this box are %g m from its axis x = y = 0",
                    outer, (double)corner);
+  else if (PetscAbsReal(floor - domain->lower[2]) > POINT_TOLERANCE * domain->spacing)
+    (void)snprintf(flaw, FLAW, "its box begins at a height of %g m, this box at %g m", floor, (double)domain->lower[2]);
 }
 
-/* Finds numbers that no run of rings leaves. */
-static void CheckRings(Scene scene, const ParticleArrays *rings, char flaw[FLAW])
+PetscErrorCode RestartRingsCheck(Output output, const char file[], const char stored[], H5File *h5)
 {
-  for (PetscInt a = 0; a < rings->n && !flaw[0]; a++) {
-    PetscBool good = (PetscBool)(rings->real[FIELD_POSITION][DIM * a] > 0 && rings->real[FIELD_VOLUME][a] > 0 &&
-                                 rings->integer[INT_BODY][a] < SceneCount(scene));
-
-    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
-      for (PetscInt i = 0; rings->real[f] && i < Fields[f].width; i++)
-        good = (PetscBool)(good && !PetscIsInfOrNanReal(rings->real[f][(size_t)Fields[f].width * (size_t)a + i]));
-    if (!good) (void)snprintf(flaw, FLAW, "ring %d of it cannot be", (int)a);
-  }
-}
-
-/* Takes the dummy particles of walls out of the rows. */
-static void KeepLiquid(ParticleArrays *rings)
-{
-  PetscInt n = 0;
-
-  for (PetscInt a = 0; a < rings->n; a++) {
-    if (rings->integer[INT_BODY][a] < 0) continue;
-    rings->integer[INT_BODY][n] = rings->integer[INT_BODY][a];
-    for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
-      for (PetscInt i = 0; rings->real[f] && i < Fields[f].width; i++)
-        rings->real[f][(size_t)Fields[f].width * (size_t)n + i] =
-          rings->real[f][(size_t)Fields[f].width * (size_t)a + i];
-    n++;
-  }
-  rings->n = n;
-}
-
-PetscErrorCode RestartRings(Output output, const char file[], const char stored[], PetscInt particles,
-                            ParticleArrays *rings)
-{
-  const size_t row  = (DIM + DIM + 1) * sizeof(double) + sizeof(int32_t); /* bytes, of what all have */
-  Rows         rows = {.n = particles, .start = 0, .total = particles, .width = 1};
-  H5File       h5;
-  PetscBool    failed, whole;
-  char         flaw[FLAW] = "", *text;
+  char flaw[FLAW] = "", *text;
 
   PetscFunctionBegin;
-  PetscCall(H5FileOpen(output->comm, file, &h5));
-  whole    = (PetscBool)(H5FileHolds(&h5, particles, row) && H5FileHas(&h5, Fields[FIELD_VOLUME].name));
-  rings->n = whole ? particles : 0;
-  rows.n = rows.total = rings->n;
-  PetscCall(PetscMalloc1(rings->n + 1, &rings->integer[INT_BODY]));
-  if (whole) PetscCall(H5FileRead(&h5, IntFieldNames[INT_BODY], H5FILE_INT, &rows, rings->integer[INT_BODY]));
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT && whole; f++) {
-    if (!H5FileHas(&h5, Fields[f].name)) continue;
-    rows.width = Fields[f].width;
-    PetscCall(PetscMalloc1((size_t)rows.width * (size_t)rings->n + 1, &rings->real[f]));
-    PetscCall(H5FileRead(&h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, rings->real[f]));
-  }
-  whole = (PetscBool)(whole && !h5.external);
-  PetscCall(H5FileClose(&h5, &failed));
-  PetscCheckUser(whole && !failed, output->comm,
-                 "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
-  KeepLiquid(rings);
   PetscCall(CloudIdentity(output->cloud, &text));
   if (!output->rank) {
-    CheckRings(output->cloud->scene, rings, flaw);
-    if (!flaw[0]) CompareLiquid(text, stored, flaw);
-    if (!flaw[0]) CompareBoxes(output->cloud->domain, rings, stored, flaw);
+    CompareLiquid(text, stored, flaw);
+    if (!flaw[0]) CompareBoxes(output->cloud->domain, stored, flaw);
+    if (!flaw[0] && !output->cloud->domain->adaptive)
+      (void)snprintf(flaw, FLAW, "particles of rings join and split to a spacing that needs -spacing_follow");
   }
   free(text);
   PetscCallMPI(MPI_Bcast(flaw, FLAW, MPI_CHAR, 0, output->comm));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT && !flaw[0]; f++)
+    if (ParticlesHave(output->cloud->particles, f) && !H5FileHas(h5, Fields[f].name))
+      (void)snprintf(flaw, FLAW, "its rings carry no %s (%s)", Fields[f].name, Fields[f].meaning);
   PetscCheckUser(!flaw[0], output->comm, "The checkpoint %s cannot be turned into this scene: %s.", file, flaw);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OutputRingsDestroy(ParticleArrays *rings)
+/* The number of particles all around of ring a, and the width (m) of its section; 0 if no run leaves such a ring, or
+   it is wider than the scene's particles. */
+static PetscInt Around(Cloud cloud, const ParticleArrays *rings, PetscInt a, PetscReal *side)
 {
+  const PetscReal r = rings->real[FIELD_POSITION][DIM * a], length = 2 * PETSC_PI * r,
+                  widest = SIZE_MARGIN * cloud->domain->spacing_coarse;
+  PetscReal quarter;
+
+  *side   = PetscSqrtReal(rings->real[FIELD_VOLUME][a] / length);
+  quarter = length / (QUARTERS * *side);
+  if (!(r > 0 && *side > 0 && *side <= widest && quarter < PETSC_MAX_INT / (2 * QUARTERS))) return 0;
+  return QUARTERS * (PetscInt)PetscMax(1, quarter + 0.5);
+}
+
+/* Turns a field of a ring (along r, along the axis, around it) to an angle of this cosine and sine. */
+static void Turn(Parity parity, PetscReal c, PetscReal s, PetscReal f[])
+{
+  const PetscReal r = f[0], z = parity == PARITY_SCALAR ? 0 : f[1];
+
+  if (parity == PARITY_VECTOR || parity == PARITY_POINT) {
+    f[0] = r * c;
+    f[1] = r * s;
+    f[2] = z;
+  } else if (parity == PARITY_TENSOR) { /* xx yy zz xy xz yz; of rings rr, axial, around, r axial */
+    const PetscReal around = f[2], shear = f[3];
+
+    f[0] = r * c * c + around * s * s;
+    f[1] = r * s * s + around * c * c;
+    f[2] = z;
+    f[3] = (r - around) * c * s;
+    f[4] = shear * c;
+    f[5] = shear * s;
+  }
+}
+
+/* Makes row b particle k of the n of ring a, whose section is so wide (m), if that is in the box. */
+static PetscBool TurnOne(Domain domain, const ParticleArrays *rows, PetscInt a, PetscReal side, PetscInt k, PetscInt n,
+                         PetscInt b)
+{
+  const PetscReal angle = 2 * PETSC_PI * (k + 0.5) / n, c = PetscCosReal(angle), s = PetscSinReal(angle);
+  PetscReal       x[DIM] = {rows->real[FIELD_POSITION][DIM * a], rows->real[FIELD_POSITION][DIM * a + 1], 0};
+
+  Turn(PARITY_POINT, c, s, x);
+  for (PetscInt d = 0; d < 2; d++) {
+    if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) return PETSC_FALSE;
+    x[d] = PetscMax(domain->lower[d] + ASIDE * side, PetscMin(domain->upper[d] - ASIDE * side, x[d]));
+  }
+  if (b < 0) return PETSC_TRUE;
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    const PetscInt width = Fields[f].width;
+
+    if (!rows->real[f]) continue;
+    for (PetscInt i = 0; i < width; i++)
+      rows->real[f][width * b + i] = rows->real[f][width * a + i] / (Fields[f].carry == CARRY_SUM ? n : 1);
+    Turn(Fields[f].parity, c, s, rows->real[f] + width * b);
+  }
+  for (PetscInt f = 0; f < INT_COUNT; f++) rows->integer[f][b] = rows->integer[f][a];
+  for (PetscInt d = 0; d < DIM; d++) rows->real[FIELD_POSITION][DIM * b + d] = x[d];
+  rows->real[FIELD_SIZE][b] = DomainSize(domain, rows->real[FIELD_VOLUME][b]);
+  return PETSC_TRUE;
+}
+
+/* Makes the particles of this rank's first n rows, as rows behind these, or counts them. *bad: the last ring that
+   cannot be. */
+static PetscInt TurnAll(Cloud cloud, PetscInt n, const ParticleArrays *rows, PetscBool count, PetscInt *bad)
+{
+  PetscInt made = 0;
+
+  for (PetscInt a = 0; a < n; a++) {
+    PetscReal      side;
+    const PetscInt around = rows->integer[INT_BODY][a] < 0 ? 0 : Around(cloud, rows, a, &side);
+
+    if (rows->integer[INT_BODY][a] >= 0 && !around) *bad = a;
+    for (PetscInt k = 0; k < around; k++)
+      if (TurnOne(cloud->domain, rows, a, side, k, around, count ? -1 : n + made)) made++;
+  }
+  return made;
+}
+
+PetscErrorCode RestartTurn(Output output, const char file[])
+{
+  const Cloud    cloud = output->cloud;
+  ParticleArrays rows;
+  PetscInt       made, n, bad = -1;
+  PetscBool     *keep;
+  Rows           all;
+
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) PetscCall(PetscFree(rings->real[f]));
-  PetscCall(PetscFree(rings->integer[INT_BODY]));
-  rings->n = 0;
+  PetscCall(ParticlesOpen(cloud->particles, &rows));
+  n    = rows.n;
+  made = TurnAll(cloud, n, &rows, PETSC_TRUE, &bad);
+  PetscCall(ParticlesClose(cloud->particles, &rows));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MAX, output->comm));
+  PetscCheckUser(bad < 0, output->comm,
+                 "The checkpoint %s cannot be turned into this scene: some of its rings are wider than -spacing_coarse "
+                 "%g m, or none that a run leaves.",
+                 file, (double)cloud->domain->spacing_coarse);
+  PetscCall(ParticlesAppend(cloud->particles, made));
+  PetscCall(ParticlesOpen(cloud->particles, &rows));
+  (void)TurnAll(cloud, n, &rows, PETSC_FALSE, &bad);
+  PetscCall(RowsSet(output->comm, made, 1, &all));
+  PetscCall(PetscMalloc1(rows.n, &keep));
+  for (PetscInt a = 0; a < rows.n; a++) {
+    keep[a]                 = (PetscBool)(a >= n);
+    rows.integer[INT_ID][a] = rows.integer[INT_PARENT][a] = all.start + a - n;
+  }
+  PetscCall(ParticlesClose(cloud->particles, &rows));
+  PetscCall(ParticlesRemove(cloud->particles, keep));
+  PetscCall(PetscFree(keep));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

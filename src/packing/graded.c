@@ -223,35 +223,24 @@ static PetscErrorCode AddWalls(Packing packing, PetscSegBuffer samples)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The particles of the liquid. */
-static PetscErrorCode AddBodies(Packing packing, PetscSegBuffer samples)
+PetscErrorCode GradedSetUp(Packing packing)
 {
-  const Scene scene = packing->cloud->scene;
-  PetscReal   level[SCENE_MAX_BODIES], length[SCENE_MAX_BODIES];
-  PetscInt    id = 0;
+  const Scene    scene = packing->cloud->scene;
+  PetscReal      level[SCENE_MAX_BODIES], length[SCENE_MAX_BODIES];
+  PetscSegBuffer samples;
+  PetscInt       id = 0;
 
   PetscFunctionBegin;
   PetscCall(LatticeFit(packing, level, length));
+  PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
+  PetscCall(CheckSolids(packing->cloud->domain, scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     if (BodyComesLater(SceneBody(scene, b)))
       PetscCall(CheckEmitter(packing->cloud->domain, scene, SceneBody(scene, b)));
     else
       PetscCall(AddBody(packing, b, level, length[b], samples, &id));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode GradedSetUp(Packing packing)
-{
-  PetscSegBuffer samples;
-
-  PetscFunctionBegin;
-  PetscCall(CheckSolids(packing->cloud->domain, packing->cloud->scene));
-  if (!packing->rings) {
-    PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
-    PetscCall(AddBodies(packing, samples));
-    PetscCall(SamplesTake(&samples, &packing->graded_count[0], &packing->graded[0]));
-  }
+  PetscCall(SamplesTake(&samples, &packing->graded_count[0], &packing->graded[0]));
   PetscCall(PetscSegBufferCreate(sizeof(Sample), 1024, &samples));
   if (!packing->cloud->domain->adaptive) PetscCall(AddWalls(packing, samples));
   PetscCall(SamplesTake(&samples, &packing->graded_count[1], &packing->graded[1]));

@@ -110,14 +110,16 @@ static PetscErrorCode CreateParticles(Packing packing)
 {
   const Cloud        cloud   = packing->cloud;
   const Domain       domain  = cloud->domain;
-  const SampleSource visit[] = {domain->graded || packing->rings ? GradedVisit : packing->ops->visit,
+  const SampleSource visit[] = {domain->graded ? GradedVisit : packing->ops->visit,
                                 domain->graded ? GradedVisitWalls : WallVisit, SolidVisit};
   Dummies  dummies                                 = {.cloud = cloud, .layers = CloudWallLayers(cloud)};
   void    *source[]                                = {packing, domain->graded ? (void *)packing : &dummies, &dummies};
-  PetscInt count[PETSC_STATIC_ARRAY_LENGTH(visit)] = {0}, first_id = 0;
+  PetscInt count[PETSC_STATIC_ARRAY_LENGTH(visit)] = {0}, first_id;
 
   PetscFunctionBegin;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
+  PetscCall(ParticlesGlobalSize(cloud->particles, &first_id));
+  count[0] = first_id;
+  for (size_t k = first_id > 0; k < PETSC_STATIC_ARRAY_LENGTH(visit); k++) {
     PetscCall(SamplesAppend(cloud->particles, domain, visit[k], source[k], first_id, &count[k]));
     first_id += count[k];
   }
@@ -156,15 +158,10 @@ static PetscErrorCode SetVelocities(Packing packing)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void PackingTurn(Packing packing, const ParticleArrays *rings)
-{
-  packing->rings = rings;
-}
-
 PetscErrorCode PackingSetVelocities(Packing packing)
 {
   PetscFunctionBegin;
-  if (!packing->rings) PetscCall(SetVelocities(packing));
+  PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(packing->cloud));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -172,20 +169,20 @@ PetscErrorCode PackingSetVelocities(Packing packing)
 PetscErrorCode PackingRun(Packing packing, PackingReport *report)
 {
   const Cloud cloud = packing->cloud;
-  PetscInt    lost  = 0;
+  PetscInt    lost  = 0, liquid;
 
   PetscFunctionBegin;
+  PetscCall(ParticlesGlobalSize(cloud->particles, &liquid));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_PACKING), 0, 0, 0, 0));
   PetscCall(PetscMemzero(report, sizeof(*report)));
   PetscCall(PackingCheckMemory(packing));
   ProgressBegin("the packing", "no step was computed");
-  if (packing->ops->setup && !packing->rings) PetscCall(packing->ops->setup(packing, report));
-  if (packing->rings) PetscCall(TurnedSetUp(packing));
-  if (cloud->domain->graded) PetscCall(GradedSetUp(packing));
+  if (packing->ops->setup && !liquid) PetscCall(packing->ops->setup(packing, report));
+  if (cloud->domain->graded && !liquid) PetscCall(GradedSetUp(packing));
   PetscCall(CreateParticles(packing));
   PetscCall(CloudResync(cloud));
-  if (packing->ops->improve && !packing->rings) PetscCall(packing->ops->improve(packing, report));
-  PetscCall(packing->rings ? TurnedCarry(packing) : SetVelocities(packing));
+  if (packing->ops->improve && !liquid) PetscCall(packing->ops->improve(packing, report));
+  if (!liquid) PetscCall(SetVelocities(packing));
   PetscCall(CloudResync(cloud));
   PetscCall(PackingMeasure(packing, report));
   PetscCall(CloudCommit(cloud, &lost, NULL));

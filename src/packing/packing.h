@@ -28,14 +28,11 @@ PetscErrorCode PackingSetFromOptions(Packing packing);
 void PackingSetRough(Packing packing, PetscBool rough);
 /* PackingRun - puts fluid and wall particles into the swarm, with id, body, layer, parent, position, initial velocity
    and density. Any number of ranks gives the same particles; lattices are the same to the last bit. Ends with
-   CloudResync. Refuses (UserError) a scene without a fluid particle. Collective. */
+   CloudResync. Refuses (UserError) a scene without a fluid particle. Where the swarm has the liquid (OutputRestart), it
+   makes the dummy particles alone. Collective. */
 PetscErrorCode PackingRun(Packing packing, PackingReport *report);
-/* PackingTurn - the liquid is that of rings about the axis x = y = 0 of a scene in space, not of the bodies: all rings
-   of liquid, with their volumes, the same on every rank, borrowed until the last call of PackingSetVelocities. Not
-   collective. */
-void PackingTurn(Packing packing, const ParticleArrays *rings);
-/* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position, or with
-   PackingTurn all that the rings carry there; ends with CloudResync. Collective. */
+/* PackingSetVelocities - gives every fluid particle the initial velocity of its body at its position; ends with
+   CloudResync. Collective. */
 PetscErrorCode PackingSetVelocities(Packing packing);
 PetscErrorCode PackingDestroy(Packing *packing);
 /* PackingSolidDepth - how deep below the surfaces of solids there are dummy particles, m. Not collective. */

@@ -23,9 +23,8 @@ struct _p_Packing {
   PetscBool         rough; /* see PackingSetRough */
   PetscInt          count; /* fluid particles, over all ranks */
   char              cache[PETSC_MAX_PATH_LEN];
-  PetscInt          graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls; of PackingTurn, too */
-  Sample           *graded[2];       /* [graded_count], NULL until GradedSetUp or TurnedSetUp */
-  const ParticleArrays *rings;       /* of PackingTurn, borrowed, or NULL */
+  PetscInt          graded_count[2]; /* with -spacing_coarse: particles of liquid and of walls */
+  Sample           *graded[2];       /* [graded_count], NULL until GradedSetUp */
 };
 
 extern const PackingOps PackingLattice, PackingPoisson;
@@ -111,11 +110,6 @@ PetscErrorCode RegionFill(Region *region);
 /* RegionSpread - moves the points that are not fixed, which come last, until they are spread evenly. The same on every
  * rank. Collective. */
 PetscErrorCode RegionSpread(Region *region);
-
-/* TurnedSetUp - the particles of the liquid of PackingTurn, the same on every rank. TurnedCarry - gives the swarm's
-   liquid what the rings carry at its places. Collective. */
-PetscErrorCode TurnedSetUp(Packing packing);
-PetscErrorCode TurnedCarry(Packing packing);
 
 /* GradedSetUp - the particles of liquid and walls with -spacing_coarse, the same on every rank. GradedVisit,
    GradedVisitWalls - SampleSources of the liquid and of the walls. GradedDestroy - frees the particles. */

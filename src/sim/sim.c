@@ -42,10 +42,8 @@ static const OptionRow options[] = {
    offsetof(struct _p_Sim, steps_max)},
   {"-restart",
    "Checkpoint file to continue (resume) from, or the folder of a run, whose newest is taken; changed options are "
-   "listed; "
-   "spacing, box, kernel, solids and bodies must be the "
-   "same, but for their viscosity; a checkpoint of rings for a scene in space: they become particles, turned about the "
-   "axis x = y = 0, of the scene's own spacing",
+   "listed; spacing, box, kernel, solids and bodies must be the same, but for their viscosity; a scene in space with "
+   "-spacing_follow begins from rings, too: they are turned about the axis x = y = 0",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
   {"-progress_interval", "Wall-clock time between progress lines; 0: none but the summary at the end", "s", "[0, inf)",
    ROW_REAL, offsetof(struct _p_Sim, progress_interval)},
@@ -221,50 +219,51 @@ PetscErrorCode SimSetFromOptions(Sim sim, PetscBool *stop)
 
 PetscErrorCode SimSetUp(Sim sim)
 {
-  PetscInt       particles;
-  ParticleArrays rings = {.n = 0};
+  PetscBool restarting = (PetscBool)(sim->restart[0] != 0), turned = PETSC_FALSE;
+  PetscInt  particles;
 
   PetscFunctionBegin;
   PetscCall(PetscLogStagePush(LogStage(STAGE_PACKING)));
   SceneStart(sim->scene, sim->state.time);
   SceneMoveSolids(sim->scene, sim->state.time);
-  PetscCall(ProgressWork(sim->comm, -1, sim->restart[0] ? "the checkpoint is read" : "particles are made"));
-  if (sim->restart[0]) {
+  PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
+  if (restarting) {
     PetscCall(OutputNewest(sim->output, sim->restart));
-    PetscCall(OutputRestart(sim->output, sim->restart, &sim->state, &rings));
+    PetscCall(OutputRestart(sim->output, sim->restart, &sim->state, &turned));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
                    "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
                    (double)sim->time_end);
     SceneMoveSolids(sim->scene, sim->state.time);
-    sim->continues = (PetscBool)(rings.n == 0);
+    restarting = (PetscBool)!turned;
   }
-  if (rings.n) PackingTurn(sim->packing, &rings);
-  if (sim->continues) {
+  if (restarting) {
     PetscCall(CloudResync(sim->cloud));
     PetscCall(StepperReset(sim->stepper, PETSC_TRUE, &sim->state));
   } else
     PetscCall(PackingRun(sim->packing, &sim->report));
-  PetscCall(StepperBring(sim->stepper, sim->packing, NULL, sim->continues, &sim->state));
+  PetscCall(StepperBring(sim->stepper, sim->packing, NULL, restarting, &sim->state));
   PetscCallMPI(MPI_Allreduce(&sim->cloud->n_fluid, &particles, 1, MPIU_INT, MPI_SUM, sim->comm));
   PetscCheckUser(particles > 0, sim->comm,
                  "there is no liquid at the start: an emitter must start at -time_start or before");
   PetscCall(StepperForesee(sim->stepper, sim->state.time, sim->time_end));
   PetscCall(StepperPrepare(sim->stepper));
   PetscCall(RefuseUnusedOptions(sim->comm, PETSC_FALSE));
-  if (!sim->continues) {
+  if (!restarting) {
     PetscInt lost = 0;
 
     PetscCall(CloudCommit(sim->cloud, &lost, NULL)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
-    PetscCall(StartAtRest(sim));
+    if (turned)
+      PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
+    else
+      PetscCall(StartAtRest(sim));
     PetscCall(BudgetStart(sim));
+    sim->restart[0] = 0; /* the run of the rings ends here, and this one begins */
   }
-  PackingTurn(sim->packing, NULL);
-  PetscCall(OutputRingsDestroy(&rings));
   if (!sim->dry_run && !SimMeasures(sim) && sim->writes) {
     char path[PETSC_MAX_PATH_LEN];
 
-    PetscCall(OutputSetUp(sim->output, sim->continues ? sim->restart : NULL, &sim->state));
+    PetscCall(OutputSetUp(sim->output, restarting ? sim->restart : NULL, &sim->state));
     PetscCall(SceneFileWrite(sim, NULL));
     PetscCall(PetscSNPrintf(path, sizeof(path), "%s/" JOURNAL_FILE, OutputFolder(sim->output)));
     PetscCall(JournalOpen(sim->comm, path));
@@ -434,7 +433,7 @@ static PetscErrorCode Begin(Sim sim)
   if (sim->begun) PetscFunctionReturn(PETSC_SUCCESS);
   sim->begun = PETSC_TRUE;
   PetscCall(ProgressStart(sim, &sim->progress));
-  if (sim->continues) PetscFunctionReturn(PETSC_SUCCESS);
+  if (sim->restart[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (sim->writes)
     PetscCall(WriteOutput(sim, PETSC_FALSE));
   else

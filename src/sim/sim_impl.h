@@ -57,7 +57,6 @@ struct _p_Sim {
   char          scene_json[PETSC_MAX_PATH_LEN];
   char          word[PETSC_MAX_PATH_LEN]; /* of the options to print; empty: none */
   char          restart[PETSC_MAX_PATH_LEN];
-  PetscBool     continues;                   /* the run of a checkpoint, and does not begin one from its rings */
   char          measure[PETSC_MAX_PATH_LEN]; /* the folder of a run that is done; empty: none */
 };
 

@@ -130,12 +130,11 @@ static PetscErrorCode WriteRun(void)
 
 static PetscErrorCode TryRestart(const char options[], const char file[], Run *run, StepState *state)
 {
-  ParticleArrays rings;
+  PetscBool turned;
 
   PetscFunctionBegin;
   PetscCall(RunCreate(options, run));
-  PetscCall(OutputRestart(run->output, file, state, &rings));
-  PetscCall(OutputRingsDestroy(&rings));
+  PetscCall(OutputRestart(run->output, file, state, &turned));
   PetscCall(OutputSetUp(run->output, file, state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
