@@ -342,7 +342,7 @@ static PetscErrorCode HeadCheck(Output output, const char file[], const Head *he
 
 /* The rows of this rank: on as many ranks as wrote the file, the rows that it wrote; else equal slabs. *good: the
    counts of the ranks add up to the number of particles, and the file is long enough. Collective. */
-static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *rows, PetscBool *good)
+static PetscErrorCode Share(Output output, H5File *h5, const Head *head, PetscBool turns, Rows *rows, PetscBool *good)
 {
   const PetscInt total = head->particles, size = output->size, rank = output->rank;
   Rows           ranks = {.n = 0, .start = 0, .total = head->ranks, .width = 1};
@@ -368,7 +368,10 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   rows->width = 1;
   rows->n     = total / size + (rank < total % size);
   rows->start = rank * (total / size) + PetscMin(rank, total % size);
-  if (*good && ranks.total == size) {
+  if (turns) { /* few: the first rank turns all */
+    rows->n     = rank ? 0 : total;
+    rows->start = rank ? total : 0;
+  } else if (*good && ranks.total == size) {
     rows->n     = counts[rank];
     rows->start = 0;
     for (PetscInt k = 0; k < rank; k++) rows->start += counts[k];
@@ -377,13 +380,13 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, Rows *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, PetscBool *good)
+static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, PetscBool turns, PetscBool *good)
 {
   ParticleArrays arrays;
   Rows           rows;
 
   PetscFunctionBegin;
-  PetscCall(Share(output, h5, head, &rows, good));
+  PetscCall(Share(output, h5, head, turns, &rows, good));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
@@ -474,7 +477,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state,
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(*turned ? RestartRingsCheck(output, file, texts->scene, &h5)
                     : RestartSceneCheck(output, file, texts->scene));
-  PetscCall(FieldsGet(output, &h5, &head, &good));
+  PetscCall(FieldsGet(output, &h5, &head, *turned, &good));
   if (!*turned) PetscCall(Tables(output, &h5, &head.state, PETSC_FALSE, &good));
   external = h5.external;
   PetscCall(H5FileClose(&h5, &failed));

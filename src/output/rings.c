@@ -7,6 +7,7 @@
 
 #define FLAW     512  /* characters */
 #define QUARTERS 4    /* of a turn */
+#define SPARE    2    /* a ring as wide as this times the coarse spacing splits at once */
 #define ASIDE    0.25 /* sizes: least distance from the sides of the box, whose mirrors have images */
 
 PetscBool RestartTurns(Output output, const char stored[])
@@ -68,18 +69,71 @@ PetscErrorCode RestartRingsCheck(Output output, const char file[], const char st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The number of particles all around of ring a, and the width (m) of its section; 0 if no run leaves such a ring, or
-   it is wider than the scene's particles. */
-static PetscInt Around(Cloud cloud, const ParticleArrays *rings, PetscInt a, PetscReal *side)
-{
-  const PetscReal r = rings->real[FIELD_POSITION][DIM * a], length = 2 * PETSC_PI * r,
-                  widest = SIZE_MARGIN * cloud->domain->spacing_coarse;
-  PetscReal quarter;
+/* A ring that is finer than the scene's particles, and the cell, a finest spacing wide, of its section. */
+typedef struct {
+  PetscInt row, at[3]; /* body, and along r and z */
+} Fine;
 
-  *side   = PetscSqrtReal(rings->real[FIELD_VOLUME][a] / length);
-  quarter = length / (QUARTERS * *side);
-  if (!(r > 0 && *side > 0 && *side <= widest && quarter < PETSC_MAX_INT / (2 * QUARTERS))) return 0;
-  return QUARTERS * (PetscInt)PetscMax(1, quarter + 0.5);
+static int InCells(const void *one, const void *other)
+{
+  const Fine *a = (const Fine *)one, *b = (const Fine *)other;
+
+  for (PetscInt d = 0; d < 3; d++)
+    if (a->at[d] != b->at[d]) return a->at[d] < b->at[d] ? -1 : 1;
+  return a->row < b->row ? -1 : 1;
+}
+
+/* Row a takes in row b: sums, and means weighted by volume. */
+static void TakeIn(const ParticleArrays *rows, PetscInt a, PetscInt b)
+{
+  const PetscReal part = rows->real[FIELD_VOLUME][b] / (rows->real[FIELD_VOLUME][a] + rows->real[FIELD_VOLUME][b]);
+
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
+    const PetscInt width = Fields[f].width;
+
+    for (PetscInt i = 0; rows->real[f] && i < width; i++) {
+      PetscReal *own = rows->real[f] + width * a + i, taken = rows->real[f][width * b + i];
+
+      *own += Fields[f].carry == CARRY_SUM ? taken : part * (taken - *own);
+    }
+  }
+  rows->integer[INT_BODY][b] = BODY_WALL; /* as dummies, which stay behind */
+}
+
+/* Makes one ring of those in a cell that are finer than the scene's particles. *bad: the last ring that no run leaves,
+   or that is wider than the scene's particles. */
+static PetscErrorCode Coarsen(Cloud cloud, const ParticleArrays *rows, PetscInt *bad)
+{
+  const Domain    domain  = cloud->domain;
+  const PetscReal spacing = domain->spacing, widest = SPARE * domain->spacing_coarse;
+  PetscInt        fine = 0;
+  Fine           *ring;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rows->n, &ring));
+  for (PetscInt a = 0; a < rows->n; a++) {
+    const PetscReal *x = rows->real[FIELD_POSITION] + DIM * a, z = (x[1] - domain->lower[2]) / spacing;
+    const PetscReal  area = rows->real[FIELD_VOLUME][a] / (2 * PETSC_PI * x[0]);
+    const PetscInt   body = rows->integer[INT_BODY][a];
+
+    if (body < 0) continue;
+    if (!(x[0] > 0 && x[0] < PETSC_MAX_INT * spacing && z > 0 && z < PETSC_MAX_INT && area > 0 &&
+          area <= widest * widest))
+      *bad = a;
+    else if (area < spacing * spacing / 2)
+      ring[fine++] = (Fine){a, {body, (PetscInt)(x[0] / spacing), (PetscInt)z}};
+  }
+  qsort(ring, (size_t)fine, sizeof(Fine), InCells);
+  for (PetscInt k = 1, first = 0; k < fine; k++) {
+    const PetscInt *one = ring[first].at, *other = ring[k].at;
+
+    if (one[0] == other[0] && one[1] == other[1] && one[2] == other[2])
+      TakeIn(rows, ring[first].row, ring[k].row);
+    else
+      first = k;
+  }
+  PetscCall(PetscFree(ring));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Turns a field of a ring (along r, along the axis, around it) to an angle of this cosine and sine. */
@@ -103,18 +157,15 @@ static void Turn(Parity parity, PetscReal c, PetscReal s, PetscReal f[])
   }
 }
 
-/* Makes row b particle k of the n of ring a, whose section is so wide (m), if that is in the box. */
-static PetscBool TurnOne(Domain domain, const ParticleArrays *rows, PetscInt a, PetscReal side, PetscInt k, PetscInt n,
-                         PetscInt b)
+/* Makes row b particle k of the n of ring a if that is in the box; b < 0: tells whether it is. */
+static PetscBool TurnOne(Domain domain, const ParticleArrays *rows, PetscInt a, PetscInt k, PetscInt n, PetscInt b)
 {
   const PetscReal angle = 2 * PETSC_PI * (k + 0.5) / n, c = PetscCosReal(angle), s = PetscSinReal(angle);
-  PetscReal       x[DIM] = {rows->real[FIELD_POSITION][DIM * a], rows->real[FIELD_POSITION][DIM * a + 1], 0};
+  PetscReal       x[DIM] = {rows->real[FIELD_POSITION][DIM * a], rows->real[FIELD_POSITION][DIM * a + 1], 0}, size;
 
   Turn(PARITY_POINT, c, s, x);
-  for (PetscInt d = 0; d < 2; d++) {
+  for (PetscInt d = 0; d < 2; d++)
     if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) return PETSC_FALSE;
-    x[d] = PetscMax(domain->lower[d] + ASIDE * side, PetscMin(domain->upper[d] - ASIDE * side, x[d]));
-  }
   if (b < 0) return PETSC_TRUE;
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     const PetscInt width = Fields[f].width;
@@ -125,24 +176,26 @@ static PetscBool TurnOne(Domain domain, const ParticleArrays *rows, PetscInt a, 
     Turn(Fields[f].parity, c, s, rows->real[f] + width * b);
   }
   for (PetscInt f = 0; f < INT_COUNT; f++) rows->integer[f][b] = rows->integer[f][a];
-  for (PetscInt d = 0; d < DIM; d++) rows->real[FIELD_POSITION][DIM * b + d] = x[d];
-  rows->real[FIELD_SIZE][b] = DomainSize(domain, rows->real[FIELD_VOLUME][b]);
+  size = rows->real[FIELD_SIZE][b] = PetscMin(DomainSizeMax(domain), DomainSize(domain, rows->real[FIELD_VOLUME][b]));
+  for (PetscInt d = 0; d < 2; d++)
+    rows->real[FIELD_POSITION][DIM * b + d] =
+      PetscMax(domain->lower[d] + ASIDE * size * domain->spacing,
+               PetscMin(domain->upper[d] - ASIDE * size * domain->spacing, x[d]));
   return PETSC_TRUE;
 }
 
-/* Makes the particles of this rank's first n rows, as rows behind these, or counts them. *bad: the last ring that
-   cannot be. */
-static PetscInt TurnAll(Cloud cloud, PetscInt n, const ParticleArrays *rows, PetscBool count, PetscInt *bad)
+/* Makes the particles of the first n rows, as rows behind these, or counts them. */
+static PetscInt TurnAll(Domain domain, PetscInt n, const ParticleArrays *rows, PetscBool count)
 {
   PetscInt made = 0;
 
   for (PetscInt a = 0; a < n; a++) {
-    PetscReal      side;
-    const PetscInt around = rows->integer[INT_BODY][a] < 0 ? 0 : Around(cloud, rows, a, &side);
+    const PetscReal length = 2 * PETSC_PI * rows->real[FIELD_POSITION][DIM * a],
+                    side   = PetscMax(domain->spacing, PetscSqrtReal(rows->real[FIELD_VOLUME][a] / length));
+    const PetscInt around  = QUARTERS * (PetscInt)PetscMax(1, length / (QUARTERS * side) + 0.5);
 
-    if (rows->integer[INT_BODY][a] >= 0 && !around) *bad = a;
-    for (PetscInt k = 0; k < around; k++)
-      if (TurnOne(cloud->domain, rows, a, side, k, around, count ? -1 : n + made)) made++;
+    for (PetscInt k = 0; rows->integer[INT_BODY][a] >= 0 && k < around; k++)
+      if (TurnOne(domain, rows, a, k, around, count ? -1 : n + made)) made++;
   }
   return made;
 }
@@ -153,26 +206,26 @@ PetscErrorCode RestartTurn(Output output, const char file[])
   ParticleArrays rows;
   PetscInt       made, n, bad = -1;
   PetscBool     *keep;
-  Rows           all;
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(cloud->particles, &rows));
-  n    = rows.n;
-  made = TurnAll(cloud, n, &rows, PETSC_TRUE, &bad);
+  n = rows.n;
+  PetscCall(Coarsen(cloud, &rows, &bad));
+  made = TurnAll(cloud->domain, n, &rows, PETSC_TRUE);
   PetscCall(ParticlesClose(cloud->particles, &rows));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MAX, output->comm));
-  PetscCheckUser(bad < 0, output->comm,
-                 "The checkpoint %s cannot be turned into this scene: some of its rings are wider than -spacing_coarse "
-                 "%g m, or none that a run leaves.",
-                 file, (double)cloud->domain->spacing_coarse);
+  PetscCheckUser(
+    bad < 0, output->comm,
+    "The checkpoint %s cannot be turned into this scene: some of its rings are wider than twice -spacing_coarse "
+    "%g m, or none that a run leaves.",
+    file, (double)cloud->domain->spacing_coarse);
   PetscCall(ParticlesAppend(cloud->particles, made));
   PetscCall(ParticlesOpen(cloud->particles, &rows));
-  (void)TurnAll(cloud, n, &rows, PETSC_FALSE, &bad);
-  PetscCall(RowsSet(output->comm, made, 1, &all));
+  (void)TurnAll(cloud->domain, n, &rows, PETSC_FALSE);
   PetscCall(PetscMalloc1(rows.n, &keep));
   for (PetscInt a = 0; a < rows.n; a++) {
     keep[a]                 = (PetscBool)(a >= n);
-    rows.integer[INT_ID][a] = rows.integer[INT_PARENT][a] = all.start + a - n;
+    rows.integer[INT_ID][a] = rows.integer[INT_PARENT][a] = a - n;
   }
   PetscCall(ParticlesClose(cloud->particles, &rows));
   PetscCall(ParticlesRemove(cloud->particles, keep));
