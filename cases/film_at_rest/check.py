@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pressure, motion, level and volume of a liquid at rest; of the film or the tank.
+"""Pressure, motion, level and volume of a liquid at rest, of the film or the tank; how rough the stirred film stays.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -19,7 +19,20 @@ def weight(folder, due, relaxed):
     return [physics.relative("force on the floor", -s[name][s["time"] >= relaxed].mean(), due, 0.01, "N")]
 
 
+def stirred(s, spacing):
+    """Of the waves and the disorder of a surface only as much stays as of the energy: heights go with v^2/2g."""
+    def mean(name, begin, end):
+        return s[name][(s["time"] >= begin) & (s["time"] <= end)].mean()
+    (first, last), (energy, left) = ([mean(name, 0.03, 0.05), mean(name, 0.18, 0.2)] for name in (
+        "surface_roughness_m", "kinetic_energy"))
+    return [physics.at_most("roughness after 0.19 s over the spacing", last / spacing, 0.05),
+            physics.at_most("its part of that after 0.04 s, over the same of the kinetic energy",
+                            last / first * energy / left, 1.5)]
+
+
 def check(folder):
+    if "surface_roughness_m" in runs.series(folder).dtype.names:
+        return stirred(runs.series(folder), float(next(physics.snapshots(folder))[1]["spacing"]))
     errors, instant, speed, floor, motion = [], [], [], [], []
     n = len(list(physics.snapshots(folder))[-1][2]["id"])  # particles may split at first
     for time, head, f in physics.snapshots(folder):

@@ -137,6 +137,7 @@ ENTRIES += both("film_at_rest", "tank", REGULAR, shared="-spacing 0.025", file="
                 spacings=(0.1, 0.05, 0.025))
 ENTRIES += [Entry("film_at_rest", "rings", size=TEST, file=RINGS),
             Entry("film_at_rest", "graded, 0.5 to 1 mm", file="graded.opts"),
+            Entry("film_at_rest", "stirred", size=TEST, file="stirred.opts"),
             Entry("film_at_rest", "following, 0.25 to 1 mm", "-time_end 0.4", file="following.opts"),
             Entry("film_at_rest", "rings, 0.25 to 0.5 mm", "-spacing 0.25e-3 -spacing_coarse 0.5e-3 -fine top "
                   "-top_lower 0,-3e-3 -top_upper 10e-3,5e-3", file=RINGS)]
