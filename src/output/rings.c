@@ -57,7 +57,7 @@ PetscErrorCode RestartRingsCheck(Output output, const char file[], const char st
   if (!output->rank) {
     CompareLiquid(text, stored, flaw);
     if (!flaw[0]) CompareBoxes(output->cloud->domain, stored, flaw);
-    if (!flaw[0] && !output->cloud->domain->adaptive)
+    if (!flaw[0] && !DomainStoresSizes(output->cloud->domain))
       (void)snprintf(flaw, FLAW, "particles of rings join and split to a spacing that needs -spacing_follow");
   }
   free(text);
