@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The circulation in a drop in a gradient of temperature, beside the exact one. check.py RUN_FOLDER"""
+"""The circulation in a drop in a gradient of temperature and the velocity in a layer, beside the exact ones. check.py
+RUN_FOLDER"""
 import os
 import sys
 
@@ -21,7 +22,26 @@ def exact(x, z):
     return np.stack([across * s + along * c, across * c - along * s], axis=1)
 
 
+# of the layer: stress (N/m2), depth, length (m), from when on it is steady (s)
+STRESS, DEPTH, LENGTH, LEVEL = 0.045, 1e-3, 4e-3, 0.17
+
+
+def check_layer(folder):
+    """Where the walls are far: the surface is drawn to the cold wall, and below it as much comes back."""
+    errors, surface = [], STRESS * DEPTH / (4 * MU)
+    for time, _, f in physics.snapshots(folder):
+        x, y = f["position"][:, 0], f["position"][:, 1]
+        middle = np.abs(x - 0.5 * LENGTH) < 0.5 * DEPTH
+        if time > LEVEL:
+            u = STRESS / MU * (0.5 * y - 0.75 * y * y / DEPTH)
+            errors.append(np.sqrt(np.mean((f["velocity"][:, 0] - u)[middle]**2)) / surface)
+    return [physics.at_most("velocity, rms error over that of the surface", np.mean(errors), 0.03)]
+
+
 def check(folder):
+    head = next(physics.snapshots(folder))[1]
+    if "-oil_tension" in physics.options(head):
+        return check_layer(folder)
     shares = []
     for time, _, f in physics.snapshots(folder):
         if time < STEADY:

@@ -152,89 +152,36 @@ static void AddWeight(Cloud cloud, PetscReal a[])
 
 /* --- tension --- */
 
-/* What pulls the liquid along its surface is the gradient of the tension there, a stress (N/m2). It acts by each
-   particle's part of the surface, 2 V |N|: what a pair of particles lacks of neighbours across the surface is in
-   proportion to this, so that a velocity that is linear below it needs no other force. The continuum surface stress of
-   Lafaurie et al. (1994), which the kernel spreads twice, moves a layer of 10 spacings with 0.6 of its speed. */
-
-/* The slopes of the tension along the surface in this step, [n_fluid][3], N/m2. */
+/* The tension of each particle at its temperature, [n_total] N/m: the cloud has it while the tension acts. */
 typedef struct {
-  PetscReal *slope;
+  PetscReal *tension;
   PetscInt   capacity;
-  PetscBool  found; /* by the force of this step */
-} Slopes;
+} Tensions;
 
-/* The normal of the surface at fluid particle a: the kernel's mean of N = sum V grad W around it. N alone, which is
-   short in the second layer, leans by the disorder of the particles, and its projection would cost a tenth. */
-static void SmoothNormal(Cloud cloud, PetscInt a, PairRow *row, PetscReal n[DIM])
+static PetscErrorCode SetTension(Cloud cloud, Tensions *own)
 {
-  const PetscReal *N = cloud->field[FIELD_NORMAL], self = KernelSelf(cloud->kernel);
-
-  PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
-  PairRowEvaluate(cloud, a, row);
-  for (PetscInt d = 0; d < DIM; d++) n[d] = self * N[DIM * a + d];
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt b = row->index[k];
-
-    if (cloud->integer[INT_LAYER][b] || !cloud->integer[INT_SURFACE][b]) continue;
-    for (PetscInt d = 0; d < DIM; d++) n[d] += row->W[k] * N[DIM * b + d];
-  }
-}
-
-/* Finds the slopes, and adds their pull to the acceleration. */
-static PetscErrorCode AddTension(Cloud cloud, Slopes *slopes, PetscReal acceleration[])
-{
-  PairRow row;
-
-  PetscFunctionBegin;
-  if (cloud->n_fluid > slopes->capacity) {
-    slopes->capacity = cloud->capacity;
-    PetscCall(PetscRealloc((size_t)(DIM * slopes->capacity) * sizeof(PetscReal), &slopes->slope));
-  }
-  slopes->found = PETSC_TRUE;
-  PetscCall(PetscArrayzero(slopes->slope, DIM * cloud->n_fluid));
-  PetscCall(CloudUpdate(cloud, FIELD_TEMPERATURE));
-  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal share = TrialSurfaceArea(cloud, a) / (cloud->volume[a] * cloud->rest_density[a]),
-                    unit  = Of(cloud->scene, cloud->integer[INT_BODY][a])->slope;
-    PetscReal n[DIM], G[DIM], *slope = slopes->slope + DIM * a;
-
-    if (share == 0 || unit == 0) continue;
-    SmoothNormal(cloud, a, &row, n);
-    HeatGradient(cloud, cloud->field[FIELD_TEMPERATURE], a, &row, G);
-    for (PetscInt d = 0; d < DIM; d++) {
-      slope[d] = unit * (G[d] - Dot(G, n) / PetscMax(Dot(n, n), PETSC_MIN_REAL) * n[d]);
-      acceleration[DIM * a + d] += share * slope[d];
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The pressure sigma kappa of the tension is that of its value at the place, and its slope along the surface has that
-   of the tension. */
-static PetscErrorCode Surround(const Step *step)
-{
-  Slopes          *slopes = (Slopes *)step->own;
-  const Cloud      cloud  = step->cloud;
   const PetscReal *T = cloud->field[FIELD_TEMPERATURE], T0 = Reference(cloud->scene);
 
   PetscFunctionBegin;
-  if (!slopes->found) PetscFunctionReturn(PETSC_SUCCESS); /* a packing is settled without forces */
-  slopes->found = PETSC_FALSE;
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal sigma  = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-                    change = Of(cloud->scene, cloud->integer[INT_BODY][a])->slope * (T[a] - T0);
-    PetscReal *pressure = cloud->field[FIELD_CAPILLARY] + a, *slope = slopes->slope + DIM * a;
-
-    if (sigma == 0 || *pressure == 0) continue;
-    for (PetscInt d = 0; d < DIM; d++) {
-      PetscReal *along = cloud->field[FIELD_CAPILLARY_SLOPE] + DIM * a + d;
-
-      *along = *along * (1 + change / sigma) + *pressure * slope[d] / sigma;
-    }
-    *pressure *= 1 + change / sigma;
+  if (cloud->n_total > own->capacity) {
+    own->capacity = PetscMax(cloud->capacity, cloud->n_total);
+    PetscCall(PetscRealloc((size_t)own->capacity * sizeof(PetscReal), &own->tension));
   }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscInt b = cloud->integer[INT_BODY][a];
+
+    own->tension[a] = BodyMaterial(SceneBody(cloud->scene, b))->tension + Of(cloud->scene, b)->slope * (T[a] - T0);
+  }
+  PetscCall(PetscArrayzero(own->tension + cloud->n_fluid, cloud->n_owned - cloud->n_fluid));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, own->tension));
+  cloud->tension = own->tension;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Surround(const Step *step)
+{
+  PetscFunctionBegin;
+  step->cloud->tension = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -251,19 +198,15 @@ static PetscReal Power(Cloud cloud, const PetscReal a[])
 static PetscErrorCode Force(const Step *step)
 {
   const Cloud cloud = step->cloud;
-  PetscReal  *a = cloud->field[FIELD_ACCELERATION], *work = step->sums, before;
+  PetscReal  *a = cloud->field[FIELD_ACCELERATION], before;
 
   PetscFunctionBegin;
   if (Floats(cloud->scene, NULL)) {
     before = Power(cloud, a);
     AddWeight(cloud, a);
-    work[0] += step->dt * (Power(cloud, a) - before);
+    step->sums[0] += step->dt * (Power(cloud, a) - before);
   }
-  if (Pulls(cloud->scene, NULL)) {
-    before = Power(cloud, a);
-    PetscCall(AddTension(cloud, (Slopes *)step->own, a));
-    work[1] += step->dt * (Power(cloud, a) - before);
-  }
+  if (Pulls(cloud->scene, NULL)) PetscCall(SetTension(cloud, (Tensions *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -317,7 +260,7 @@ static PetscReal Speed(const Step *step)
 static PetscErrorCode Destroy(const Step *step)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(((Slopes *)step->own)->slope));
+  PetscCall(PetscFree(((Tensions *)step->own)->tension));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,7 +285,7 @@ static PetscErrorCode Commit(const Step *step, StepState *state)
   PetscReal *work = (PetscReal *)StepNumbers(step, state);
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < 2; k++) work[k] += step->sums[k];
+  *work += step->sums[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -364,10 +307,7 @@ static PetscBool Drives(const Step *step)
 #define PULLS   "-<body>_tension_temperature"
 #define DEPENDS "a viscosity, weight or tension that depends on the temperature"
 
-static const NumberRow rows[]     = {{"buoyancy_work", NUMBER_REAL, 0, ENERGY_GIVEN, "buoyancy"},
-                                     {"thermal_tension_work", NUMBER_REAL, sizeof(PetscReal), ENERGY_GIVEN,
-                                      "tension that varies"},
-                                     {.name = NULL}};
+static const NumberRow rows[]     = {{"buoyancy_work", NUMBER_REAL, 0, ENERGY_GIVEN, "buoyancy"}, {.name = NULL}};
 static const EdgeField fields[]   = {{FIELD_VISCOSITY, Thickens}, {.needed = NULL}};
 static const Feature   features[] = {{DEPENDS, Depends}, {PULLS, Pulls}, {.name = NULL}};
 static const Refusal   refusals[] = {{DEPENDS, NEEDS_GIVEN, HEAT_OPTION, ""},
@@ -380,10 +320,10 @@ const Edge DependEdge = {.name        = "dependence",
                          .fields      = fields,
                          .features    = features,
                          .refusals    = refusals,
-                         .number_size = 2 * sizeof(PetscReal),
+                         .number_size = sizeof(PetscReal),
                          .numbers     = rows,
-                         .sums        = 2, /* works of buoyancy and of tension, J */
-                         .data_size   = sizeof(Slopes),
+                         .sums        = 1, /* work of buoyancy, J */
+                         .data_size   = sizeof(Tensions),
                          .destroy     = Destroy,
                          .on          = On,
                          .bound       = Bound,

@@ -59,6 +59,9 @@ typedef struct _p_Cloud {
   /* Liquid that pushes: fluid particles with a given velocity, which are boundaries of the pressure equation like dummy
      particles of a wall (1; else 0), [n_total], ghosts too. NULL: none. Owned by the edge that sets it in 'predict'. */
   PetscInt *pushing;
+  /* The surface tension of each particle, [n_total] N/m, if it is not that of its body; else NULL. Owned by the edge
+     that sets it in 'force' and takes it back in 'surround'. */
+  PetscReal *tension;
   /* The neighbours of particle a < n_owned are list[first[a] .. first[a+1]), local indices, without the particle
      itself. pairs.h shows how to write loops over them. */
   PetscInt64 *first, list_capacity; /* a rank may have more pairs than 32 bits count */

@@ -420,6 +420,7 @@ static void WeightedSlope(const At       *at, const float *restrict weight, cons
 static inline PetscReal Sigma(Cloud cloud, const Phase *phase, PetscInt a)
 {
   if (phase) return phase->part;
+  if (cloud->tension) return cloud->tension[a];
   return BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 }
 
@@ -624,28 +625,47 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* int s w1(s) ds (m) over the depth s below a flat surface, w1 of KernelHalfSpace. */
+static PetscReal SurfaceDepth(Kernel kernel, PetscInt dim)
+{
+  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], sum = 0;
+  const PetscReal dr = KernelSupport(kernel) / WALL_TABLE;
+
+  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
+  KernelEvaluate(kernel, WALL_TABLE, r2, W, NULL);
+  for (PetscInt k = 0; k < WALL_TABLE; k++) sum += r2[k] * W[k] * (dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2) * dr;
+  return sum;
+}
+
 /* Adds the force grad_s sigma along a surface that liquids of different tension share, towards the larger tension.
    Without it the forces on a piece of liquid would not add up to zero: int sigma kappa n dA is not zero, int (sigma
    kappa n + grad_s sigma) dA is. Both terms need one sigma: the mean of sigma kappa changes over the support of its
    fits, and so does this one. A slope over the nearest neighbours gave a disc of two liquids twice the force on itself.
-   A particle has the area 2 V |n| of the surface, n = sum V grad W, as for the pressure sigma kappa (gradient.c). After
-   FindCurvature. */
-static PetscErrorCode MarangoniAdd(Tension tension, Cloud cloud, const PetscReal normal[])
+   A particle has the area 2 V |n| of the surface, n = sum V grad W, as for the pressure sigma kappa (gradient.c), but
+   where it is curved these add up to 1 - kappa s of it, s = int (1 - F) over the depth, F the filled fraction: particles
+   below the surface have less of it, and the missing pairs of a curved one more. Of rings those below have as much
+   less again as they are shorter. After FindCurvature; value ([n_total], Pa): sigma kappa. */
+static PetscErrorCode MarangoniAdd(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
 {
-  PetscReal *sigma, *slope, *acceleration = cloud->field[FIELD_ACCELERATION];
+  const PetscReal depth = SurfaceDepth(cloud->kernel, cloud->domain->dim);
+  PetscReal      *sigma, *slope, *acceleration = cloud->field[FIELD_ACCELERATION];
 
   PetscFunctionBegin;
-  if (!TensionsDiffer(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!cloud->tension && !TensionsDiffer(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, 1, &sigma));
   PetscCall(CloudGetWork(cloud, DIM, &slope));
   PetscCall(PetscArrayzero(slope, DIM * cloud->n_owned));
   for (PetscInt a = 0; a < cloud->n_total; a++) sigma[a] = cloud->integer[INT_LAYER][a] ? 0 : Sigma(cloud, NULL, a);
   PetscCall(TakeMean(tension, cloud, normal, sigma, cloud->field[FIELD_CAPILLARY], slope));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal area = 2 * Norm(cloud->field[FIELD_NORMAL] + DIM * a); /* over the volume */
+    const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
+    PetscReal        area, bend;
 
-    if (area * cloud->size[a] * KernelSmoothingLength(cloud->kernel) < 2 * INSIDE) continue;
-    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += area * slope[DIM * a + d] / cloud->rest_density[a];
+    if (!cloud->integer[INT_SURFACE][a] || sigma[a] == 0) continue;
+    bend = value[a] / sigma[a];
+    if (tension->rings) bend -= n[0] / (Norm(n) * cloud->field[FIELD_POSITION][DIM * a]);
+    area = 2 * Norm(n) * (1 + bend * depth * cloud->size[a]) / cloud->rest_density[a];
+    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += area * slope[DIM * a + d];
   }
   PetscCall(CloudRestoreWork(cloud, &slope));
   PetscCall(CloudRestoreWork(cloud, &sigma));
@@ -684,7 +704,7 @@ PetscErrorCode TensionSurface(Tension tension, Cloud cloud, const Phase *phase)
     PetscCall(FindCurvature(tension, cloud, phase, l, normal, share, scalar, NULL, &used));
   PetscCall(CloudRestoreWork(cloud, &share));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, scalar));
-  if (!phase) PetscCall(MarangoniAdd(tension, cloud, normal));
+  if (!phase) PetscCall(MarangoniAdd(tension, cloud, normal, scalar));
   PetscCall(Sharpen(tension, cloud, normal, scalar));
   PetscCall(
     TakeMean(tension, cloud, normal, scalar, cloud->field[FIELD_CAPILLARY], cloud->field[FIELD_CAPILLARY_SLOPE]));

@@ -101,7 +101,8 @@ ENTRIES += [Entry("elastic_thread", "small wave", "-thread_wave_amplitude 0.02e-
 ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads"),
             Entry("squeeze_film"), Entry("shear_under_gravity", size=TEST),
             Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST),
-            Entry("heated_cavity"), Entry("marangoni_drop")]
+            Entry("heated_cavity"), Entry("heated_cavity", "20 spacings", "-spacing 0.5e-3", TEST),
+            Entry("marangoni_drop", size=TEST), Entry("marangoni_drop", "layer", file="layer.opts")]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
 # solids that move
