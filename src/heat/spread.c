@@ -143,11 +143,13 @@ static PetscErrorCode AddWall(HeatSpread *spread, PetscInt first, Cloud cloud, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What it exchanges with the air, by its part of the surface. */
+/* What it exchanges with the air, by its part of the surface; tension knows the curvature of that. */
 static PetscErrorCode AddAir(HeatSpread *spread, Cloud cloud, const Scalar *scalar, PetscInt a)
 {
-  const Air      *air  = scalar->air ? (const Air *)SceneOwn(cloud->scene, scalar->air) : NULL;
-  const PetscReal give = air ? air->transfer * TrialSurfaceArea(cloud, a) : 0;
+  const PetscReal sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
+                  kappa = sigma > 0 ? cloud->field[FIELD_CAPILLARY][a] / sigma : 0;
+  const Air      *air   = scalar->air ? (const Air *)SceneOwn(cloud->scene, scalar->air) : NULL;
+  const PetscReal give  = air && air->transfer > 0 ? air->transfer * OperatorsSurfaceArea(cloud, a, kappa) : 0;
 
   PetscFunctionBegin;
   if (give > 0)

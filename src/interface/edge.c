@@ -69,7 +69,7 @@ static PetscErrorCode Work(const Step *step, PetscReal v[])
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, v));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscInt at = SUM_SURFACES + SURFACE_SUMS * (1 + cloud->liquid[a]);
-    PetscReal      n[DIM], flow, area = TrialSurfaceArea(cloud, a);
+    PetscReal      n[DIM], flow, area = OperatorsSurfaceArea(cloud, a, 0);
 
     flow = area > 0 ? 2 * cloud->volume[a] * Dot(v + DIM * a, normal + DIM * a) : 0;
     if (cloud->at_interface[a]) {

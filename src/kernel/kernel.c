@@ -4,7 +4,7 @@ struct _p_Kernel {
   MPI_Comm         comm;
   PetscInt         dim;
   const KernelOps *ops;
-  PetscReal        h, scale_w, scale_f, inverse_h2, moment;
+  PetscReal        h, scale_w, scale_f, inverse_h2, moment, plane_moment;
 };
 
 const Choice *const Kernels[] = {&KernelCubicSpline.choice, &KernelWendlandC2.choice, &KernelQuinticSpline.choice,
@@ -12,16 +12,16 @@ const Choice *const Kernels[] = {&KernelCubicSpline.choice, &KernelWendlandC2.ch
 
 #define MOMENT_POINTS 500 /* of the midpoint rule: exact to 1e-5 */
 
-/* int r^2 W, over rings 2 pi r dr or shells 4 pi r^2 dr. */
-static PetscReal Moment(Kernel kernel)
+/* int r^2 W over a line, a plane of rings 2 pi r dr, or a space of shells 4 pi r^2 dr. */
+static PetscReal Moment(Kernel kernel, PetscInt dim)
 {
-  const PetscReal dr = KernelSupport(kernel) / MOMENT_POINTS;
+  const PetscReal dr = KernelSupport(kernel) / MOMENT_POINTS, shell = dim == 1 ? 2 : 2 * (dim - 1) * PETSC_PI;
   PetscReal       r2[MOMENT_POINTS], W[MOMENT_POINTS], sum = 0;
 
   for (PetscInt m = 0; m < MOMENT_POINTS; m++) r2[m] = PetscSqr((m + 0.5) * dr);
   KernelEvaluate(kernel, MOMENT_POINTS, r2, W, NULL);
   for (PetscInt m = 0; m < MOMENT_POINTS; m++)
-    sum += W[m] * r2[m] * dr * 2 * PETSC_PI * (kernel->dim == 3 ? 2 * r2[m] : PetscSqrtReal(r2[m]));
+    sum += W[m] * r2[m] * dr * shell * PetscPowRealInt(PetscSqrtReal(r2[m]), (int)dim - 1);
   return sum;
 }
 
@@ -30,10 +30,11 @@ static void KernelScale(Kernel kernel)
   const PetscReal norm = kernel->dim == 2 ? kernel->ops->norm2 : kernel->ops->norm3;
 
   if (kernel->h <= 0) return;
-  kernel->scale_w    = norm / PetscPowRealInt(kernel->h, (int)kernel->dim);
-  kernel->inverse_h2 = 1.0 / (kernel->h * kernel->h);
-  kernel->scale_f    = kernel->scale_w * kernel->inverse_h2;
-  kernel->moment     = Moment(kernel);
+  kernel->scale_w      = norm / PetscPowRealInt(kernel->h, (int)kernel->dim);
+  kernel->inverse_h2   = 1.0 / (kernel->h * kernel->h);
+  kernel->scale_f      = kernel->scale_w * kernel->inverse_h2;
+  kernel->moment       = Moment(kernel, kernel->dim);
+  kernel->plane_moment = Moment(kernel, kernel->dim - 1) / (kernel->dim - 1);
 }
 
 PetscErrorCode KernelCreate(MPI_Comm comm, PetscInt dim, Kernel *kernel)
@@ -176,6 +177,11 @@ void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f
 PetscReal KernelMoment(Kernel kernel)
 {
   return kernel->moment;
+}
+
+PetscReal KernelPlaneMoment(Kernel kernel)
+{
+  return kernel->plane_moment;
 }
 
 void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2)

@@ -58,8 +58,10 @@ void KernelGradient(Kernel kernel, PetscInt n, const PetscReal r2[], PetscReal F
 void KernelSingle(Kernel kernel, PetscInt n, const float s[], float w[], float f[]);
 /* KernelScales - the factors of KernelSingle: scale_w (m^-dim), scale_f (m^-dim-2), 1/h^2 (m^-2). Not collective. */
 void KernelScales(Kernel kernel, PetscReal *scale_w, PetscReal *scale_f, PetscReal *inverse_h2);
-/* KernelMoment - the second moment int r^2 W (m2). Not collective. */
+/* KernelMoment - the second moment int r^2 W (m2). KernelPlaneMoment - int x^2 W over a plane through the middle, x
+   along it (m); it is int s w1(s) ds over the depths s of KernelHalfSpace, too. Not collective. */
 PetscReal KernelMoment(Kernel kernel);
+PetscReal KernelPlaneMoment(Kernel kernel);
 /* KernelHalfSpace - integrals of W around a point at depth s (m) in a half-space of liquid (s < 0: outside). plane:
    w1(s), over the plane of the surface (1/m), which equals |int grad W| over the liquid. fraction: F(s), over the
    liquid (1). Either may be NULL. Not collective. */

@@ -93,6 +93,9 @@ PetscBool OperatorsOneLiquid(Cloud cloud);
    and no neighbour in the cone along the normal. Near it: other fluid particles with lambda below 0.75, and particles
    with lambda below 0.95 within 1.5 spacings of a fluid particle on the surface. Needs OperatorsMoments. Collective. */
 PetscErrorCode OperatorsFreeSurface(Cloud cloud);
+/* OperatorsSurfaceArea - area of a particle's part of the free surface, m2, where the sum of its curvatures is kappa,
+   1/m; kappa 0 leaves a curved one too small. Needs OperatorsFreeSurface. Not collective. */
+PetscReal OperatorsSurfaceArea(Cloud cloud, PetscInt a, PetscReal kappa);
 /* OperatorsViscosityFactor - the factor zeta of a form: dim/int r^2 W (1/m2), dim + 2, 1. Without order in the
    particles sum V F r_i r_j r_k r_l is M (d_ij d_kl + d_ik d_jl + d_il d_jk)/dim for the second moment M = int r^2 W,
    so that 2 dim nu/M sum V F (v.r) r is nu lap v of a velocity without divergence. Not collective. */

@@ -87,3 +87,16 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
   PetscCall(PetscLogEventEnd(LogEvent(EVENT_SURFACE), 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* The integral of |n| over the liquid below a flat surface is half its area for any kernel, n = sum V grad W: sum V W
+   rises from 1/2 at the surface to 1 inside. Of a curved one it is 1 - kappa s of that, s the depth int (1 - F) of the
+   filled fraction F: below it there is less, and the missing pairs of a curved surface are more. Rings below have as
+   much less again as they are shorter. */
+PetscReal OperatorsSurfaceArea(Cloud cloud, PetscInt a, PetscReal kappa)
+{
+  const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, size = Norm(n);
+
+  if (!cloud->integer[INT_SURFACE][a] || size == 0) return 0;
+  if (cloud->domain->rings && kappa != 0) kappa -= n[0] / (size * cloud->field[FIELD_POSITION][DIM * a]);
+  return 2 * cloud->volume[a] * size * (1 + kappa * KernelPlaneMoment(cloud->kernel) * cloud->size[a]);
+}

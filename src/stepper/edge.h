@@ -198,8 +198,6 @@ extern const Edge *const StepEdges[]; /* in the order in which they are called; 
 void *StepNumbers(const Step *step, const StepState *state);
 void *StepperOwn(Stepper stepper, const struct GaugeKind *gauge);
 
-/* TrialSurfaceArea - area of a particle's part of the free surface, m2. Not collective. */
-PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a);
 /* ViscousHold - in the hook 'hold': fluid particle a keeps the velocity v (m/s), like a wall. Not collective. */
 PetscErrorCode ViscousHold(Stepper stepper, PetscInt a, const PetscReal v[DIM]);
 

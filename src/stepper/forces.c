@@ -36,7 +36,7 @@ static void SumCapillaryWork(Cloud cloud, PetscReal dt, const PetscReal v[], Ste
   const PetscReal *n = cloud->field[FIELD_NORMAL], *capillary = cloud->field[FIELD_CAPILLARY];
 
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal area   = TrialSurfaceArea(cloud, a),
+    const PetscReal area   = OperatorsSurfaceArea(cloud, a, 0),
                     inflow = 2 * cloud->volume[a] * dt * Dot(v + DIM * a, n + DIM * a);
     PetscReal value;
 

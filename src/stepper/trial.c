@@ -4,13 +4,6 @@
 #define DENSITY_MAX     3 /* over the rest density, of clumped particles: a step is rolled back; no reference */
 #define OPEN_FACE_REACH 4 /* spacings from an open face within which a cut sheet may look underresolved */
 
-/* The integral of |sum V grad W| over the liquid below a flat surface is half its area, for any kernel: sum V W rises
-   from 1/2 at the surface to 1 inside. */
-PetscReal TrialSurfaceArea(Cloud cloud, PetscInt a)
-{
-  return cloud->integer[INT_SURFACE][a] ? 2 * cloud->volume[a] * Norm(cloud->field[FIELD_NORMAL] + DIM * a) : 0;
-}
-
 /* Whether particle a has neighbours along a line at most, in liquid so viscous that no capillary wave of a spacing's
    length breaks it up (mu^2 > rho sigma d0, implicit steps): a sheet or thread is one particle thick there and tears.
    Liquid whose velocity is given, or that is about to leave through an open face, does not count: its end is a cut. */
@@ -50,7 +43,7 @@ PetscErrorCode TrialDiagnose(Stepper stepper, StepTrial *trial)
                     sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 
     trial->largest[LARGEST_DENSITY] = PetscMax(trial->largest[LARGEST_DENSITY], ratio);
-    trial->sum[SUM_SURFACE_ENERGY] += sigma * TrialSurfaceArea(cloud, a);
+    trial->sum[SUM_SURFACE_ENERGY] += sigma * OperatorsSurfaceArea(cloud, a, 0);
     trial->sum[SUM_UNDERRESOLVED] += IsUnderresolved(stepper, a);
     if (cloud->integer[INT_SURFACE][a] || PressureHolds(stepper->pressure, a)) continue; /* nothing corrects it there */
     trial->sum[SUM_DENSITY] += ratio;

@@ -38,7 +38,6 @@
 #define LEAST_SPREAD 0.05
 /* Largest distance of a particle outside the liquid, spacings. */
 #define LARGEST_OUTSIDE 0.5
-#define INSIDE          0.1            /* h |n| due to disorder: up to this a particle has no surface */
 #define ROOM            (CHUNK + WIDE) /* for a chunk, whose last vector may go beyond its end */
 #define BELOW_ONE       (1 - 1e-9)
 
@@ -332,7 +331,7 @@ static PetscReal SurfaceCurvature(Tension tension, const At *at, const Moments *
 {
   const Curvature *data  = tension->data;
   const PetscReal  limit = (tension->rings ? 2 : tension->dim - 1) / (at->size * tension->spacing);
-  const PetscReal  c     = 0.5 * data->moment / data->plane * PetscSqr(at->size);
+  const PetscReal  c     = 0.5 * KernelPlaneMoment(tension->kernel) / data->plane * PetscSqr(at->size);
   PetscReal G[DIM][DIM], K[DIM][DIM], trace = 0, square = 0, kappa, depth, root, k1, k2, lowers, Kn[DIM], nK[DIM],
                                       nKn = 0;
 
@@ -625,30 +624,14 @@ static PetscErrorCode FindNormalsAndSheets(Tension tension, Cloud cloud, const P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* int s w1(s) ds (m) over the depth s below a flat surface, w1 of KernelHalfSpace. */
-static PetscReal SurfaceDepth(Kernel kernel, PetscInt dim)
-{
-  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], sum = 0;
-  const PetscReal dr = KernelSupport(kernel) / WALL_TABLE;
-
-  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
-  KernelEvaluate(kernel, WALL_TABLE, r2, W, NULL);
-  for (PetscInt k = 0; k < WALL_TABLE; k++) sum += r2[k] * W[k] * (dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2) * dr;
-  return sum;
-}
-
 /* Adds the force grad_s sigma along a surface that liquids of different tension share, towards the larger tension.
    Without it the forces on a piece of liquid would not add up to zero: int sigma kappa n dA is not zero, int (sigma
    kappa n + grad_s sigma) dA is. Both terms need one sigma: the mean of sigma kappa changes over the support of its
    fits, and so does this one. A slope over the nearest neighbours gave a disc of two liquids twice the force on itself.
-   A particle has the area 2 V |n| of the surface, n = sum V grad W, as for the pressure sigma kappa (gradient.c), but
-   where it is curved these add up to 1 - kappa s of it, s = int (1 - F) over the depth, F the filled fraction: particles
-   below the surface have less of it, and the missing pairs of a curved one more. Of rings those below have as much
-   less again as they are shorter. After FindCurvature; value ([n_total], Pa): sigma kappa. */
+   A particle has the area of OperatorsSurfaceArea. After FindCurvature; value ([n_total], Pa): sigma kappa. */
 static PetscErrorCode MarangoniAdd(Tension tension, Cloud cloud, const PetscReal normal[], const PetscReal value[])
 {
-  const PetscReal depth = SurfaceDepth(cloud->kernel, cloud->domain->dim);
-  PetscReal      *sigma, *slope, *acceleration = cloud->field[FIELD_ACCELERATION];
+  PetscReal *sigma, *slope, *acceleration = cloud->field[FIELD_ACCELERATION];
 
   PetscFunctionBegin;
   if (!cloud->tension && !TensionsDiffer(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -658,14 +641,10 @@ static PetscErrorCode MarangoniAdd(Tension tension, Cloud cloud, const PetscReal
   for (PetscInt a = 0; a < cloud->n_total; a++) sigma[a] = cloud->integer[INT_LAYER][a] ? 0 : Sigma(cloud, NULL, a);
   PetscCall(TakeMean(tension, cloud, normal, sigma, cloud->field[FIELD_CAPILLARY], slope));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a;
-    PetscReal        area, bend;
+    const PetscReal area = sigma[a] == 0 ? 0 : OperatorsSurfaceArea(cloud, a, value[a] / sigma[a]),
+                    mass = cloud->volume[a] * cloud->rest_density[a];
 
-    if (!cloud->integer[INT_SURFACE][a] || sigma[a] == 0) continue;
-    bend = value[a] / sigma[a];
-    if (tension->rings) bend -= n[0] / (Norm(n) * cloud->field[FIELD_POSITION][DIM * a]);
-    area = 2 * Norm(n) * (1 + bend * depth * cloud->size[a]) / cloud->rest_density[a];
-    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += area * slope[DIM * a + d];
+    for (PetscInt d = 0; d < DIM; d++) acceleration[DIM * a + d] += area / mass * slope[DIM * a + d];
   }
   PetscCall(CloudRestoreWork(cloud, &slope));
   PetscCall(CloudRestoreWork(cloud, &sigma));

@@ -65,7 +65,7 @@ typedef struct {
   Kernel    core;                     /* W^H with the smoothing length SHEET_CORE H: sheet.c */
   PetscReal depth[WALL_TABLE + 1];    /* depth (m) over the filled fraction 0.5 to 1 */
   PetscReal fraction[WALL_TABLE + 1]; /* F over w1/w1(0) */
-  PetscReal plane, moment;            /* w1(0), 1/m; int x^2 W dA over a plane, m */
+  PetscReal plane;                    /* w1(0), 1/m */
   /* of the last TensionApply */
   SortedCells    surface[SIZE_LEVELS]; /* surface particles */
   unsigned char *close;                /* [n_owned] of SortNearSurface */

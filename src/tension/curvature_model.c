@@ -12,11 +12,10 @@
 /* Tabulates depth and filled fraction of the neighbourhood of a flat surface. */
 static PetscErrorCode CurvatureSetUp(void *owner)
 {
-  Tension         tension = (Tension)owner;
-  Curvature      *data    = tension->data;
-  const PetscReal support = KernelSupport(tension->kernel);
-  PetscReal       r2[WALL_TABLE], W[WALL_TABLE], fraction = 0.5, next = 0.5;
-  const PetscReal dr = support / WALL_TABLE;
+  Tension         tension  = (Tension)owner;
+  Curvature      *data     = tension->data;
+  const PetscReal support  = KernelSupport(tension->kernel);
+  PetscReal       fraction = 0.5, next = 0.5;
 
   PetscFunctionBegin;
   WideStart();
@@ -24,11 +23,6 @@ static PetscErrorCode CurvatureSetUp(void *owner)
   PetscCall(KernelSetSmoothingLength(data->core, SHEET_CORE * KernelSmoothingLength(tension->kernel)));
   KernelHalfSpace(tension->kernel, 0, &data->plane, NULL);
   KernelSurfaceTable(tension->kernel, WALL_TABLE, data->fraction);
-  for (PetscInt k = 0; k < WALL_TABLE; k++) r2[k] = PetscSqr((k + 0.5) * dr);
-  KernelEvaluate(tension->kernel, WALL_TABLE, r2, W, NULL);
-  data->moment = 0;
-  for (PetscInt k = 0; k < WALL_TABLE; k++)
-    data->moment += W[k] * r2[k] * dr * (tension->dim == 3 ? PETSC_PI * PetscSqrtReal(r2[k]) : 2);
   for (PetscInt k = 0, m = 0; k <= WALL_TABLE; k++) { /* depth[k]: half-space fills (1 + k/WALL_TABLE)/2 */
     const PetscReal wanted = 0.5 + 0.5 * k / WALL_TABLE;
 
