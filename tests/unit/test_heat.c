@@ -193,10 +193,11 @@ static PetscErrorCode TestBall(void)
   PetscReal  flow[RECEIVERS];
 
   PetscFunctionBegin;
-  PetscCall(SetupPack("-dimension axisymmetric -spacing 0.1 -box_lower 0,-1.4 -box_upper 1.4,1.4 -bodies ball "
-                      "-ball_shape sphere -ball_radius 1 -ball_temperature 301 -ball_tension 1 "
-                      "-surface_heat_transfer 1 -ambient_temperature 300 ",
-                      &s));
+  PetscCall(SetupPack(
+    "-packing_jitter 0 -dimension axisymmetric -spacing 0.1 -box_lower 0,-1.4 -box_upper 1.4,1.4 -bodies ball "
+    "-ball_shape sphere -ball_radius 1 -ball_temperature 301 -ball_tension 1 "
+    "-surface_heat_transfer 1 -ambient_temperature 300 ",
+    &s));
   PetscCall(SetupMoments(&s));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) s.cloud->field[FIELD_CAPILLARY][a] = 2;
   PetscCall(SpreadFind(&spread, s.cloud, HEAT_TEMPERATURE));
