@@ -31,11 +31,14 @@ static PetscErrorCode Open(Shared *shared, size_t bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode SharedCreate(MPI_Comm comm, size_t bytes, Shared *shared)
+PetscErrorCode SharedCreate(MPI_Comm comm, PetscInt n, const SharedArray array[], Shared *shared)
 {
-  PetscMPIInt size;
+  const size_t align = sizeof(PetscInt64);
+  size_t       bytes = align, at = 0;
+  PetscMPIInt  size;
 
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < n; k++) bytes += (size_t)array[k].count * array[k].bytes + align;
   *shared = (Shared){.machine = MPI_COMM_SELF, .leaders = MPI_COMM_NULL, .window = MPI_WIN_NULL};
 #if defined(PETSC_HAVE_MPI_PROCESS_SHARED_MEMORY)
   PetscShmComm machine;
@@ -48,9 +51,15 @@ PetscErrorCode SharedCreate(MPI_Comm comm, size_t bytes, Shared *shared)
   shared->leads = (PetscBool)(shared->rank == 0);
   if (shared->size > 1) PetscCall(Open(shared, bytes));
   if (!shared->data) PetscCall(PetscMalloc(bytes, &shared->data));
+  PetscCallMPI(MPI_Comm_rank(comm, &shared->of_all[0]));
   PetscCallMPI(MPI_Comm_size(comm, &size));
+  shared->of_all[1] = size;
   if (shared->size < size) PetscCallMPI(MPI_Comm_split(comm, shared->leads ? 0 : MPI_UNDEFINED, 0, &shared->leaders));
   if (shared->leads) (void)memset(shared->data, 0, bytes);
+  for (PetscInt k = 0; k < n; k++) {
+    *(void **)array[k].address = (char *)shared->data + at;
+    at += ((size_t)array[k].count * array[k].bytes + align - 1) / align * align;
+  }
   PetscCall(PetscInfo(NULL, "shared array: %zu bytes for %d ranks\n", bytes, (int)shared->size));
   PetscCall(SharedFence(shared));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -79,6 +88,15 @@ PetscErrorCode SharedReduce(const Shared *shared, void *at, PetscInt count, MPI_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode SharedCount(const Shared *shared, PetscInt own, PetscInt *before, PetscInt *all)
+{
+  PetscFunctionBegin;
+  *before = 0; /* of the first rank, which MPI leaves alone */
+  PetscCallMPI(MPI_Exscan(&own, before, 1, MPIU_INT, MPI_SUM, shared->machine));
+  PetscCallMPI(MPI_Allreduce(&own, all, 1, MPIU_INT, MPI_SUM, shared->machine));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode SharedDestroy(Shared *shared)
 {
   PetscFunctionBegin;
@@ -90,5 +108,38 @@ PetscErrorCode SharedDestroy(Shared *shared)
     shared->data = NULL;
   }
   PetscCall(PetscFree(shared->data));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers of pieces are kept below all that a place may hold until all places of a piece have read them. */
+#define HIDDEN(number) (PETSC_MIN_INT + (number))
+
+PetscErrorCode PiecesNumber(const Shared *shared, PetscInt n, PetscInt parent[], PetscInt *pieces)
+{
+  PetscInt first, end, own = 0, before;
+
+  PetscFunctionBegin;
+  SharedSlice(shared, n, &first, &end);
+  PetscCall(SharedFence(shared));
+  for (PetscInt k = first; k < end; k++) {
+    PetscInt up = k, next;
+
+    if (parent[k] < 0) continue;
+    while ((next = __atomic_load_n(&parent[up], __ATOMIC_RELAXED)) != up)
+      up = next; /* others read it: not PieceFirst */
+    __atomic_store_n(&parent[k], up, __ATOMIC_RELAXED);
+    own += up == k;
+  }
+  PetscCall(SharedCount(shared, own, &before, pieces));
+  PetscCall(SharedFence(shared));
+  for (PetscInt k = first; k < end; k++)
+    if (parent[k] == k) parent[k] = HIDDEN(before++);
+  PetscCall(SharedFence(shared));
+  for (PetscInt k = first; k < end; k++)
+    if (parent[k] >= 0) parent[k] = parent[parent[k]];
+  PetscCall(SharedFence(shared));
+  for (PetscInt k = first; k < end; k++)
+    if (parent[k] < HIDDEN(*pieces)) parent[k] -= PETSC_MIN_INT;
+  PetscCall(SharedFence(shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

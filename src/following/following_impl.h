@@ -9,9 +9,11 @@
 typedef struct {
   PetscInt       n[DIM], count;    /* of cells */
   PetscReal      lower[DIM], size; /* m */
-  Shared         shared;           /* both arrays */
-  float         *value;            /* [count] m */
-  unsigned char *liquid;           /* [count] 1: there is liquid in the cell */
+  PetscReal      unit;             /* m; a step between cells is 3, 4 or 5 'third', so that no sum is rounded */
+  PetscInt       third;
+  Shared         shared; /* both arrays */
+  PetscInt      *value;  /* [count] in 'unit' */
+  unsigned char *liquid; /* [count] 1: there is liquid in the cell */
 } Target;
 
 typedef struct {

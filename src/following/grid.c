@@ -8,18 +8,19 @@
 /* Spacings along the radius of curvature, 1 over the sum of the magnitudes of both principal curvatures: a drop of
    eight spacings across is fine all over. */
 #define PER_RADIUS   4.
-#define CELL         2.      /* fine spacings, least width of a cell */
-#define CELLS_MOST   2000000 /* wider cells keep to this number */
-#define CELL_GROWTH  1.1     /* factor by which they widen */
-#define STENCIL      2.      /* fine spacings, step of the differences for the curvature of a body */
-#define ACROSS       5.      /* particles across a sheet, which marked cells make 0.9 cells thicker than it is */
-#define MARCH        0.5     /* cells, step of the search for the other side */
-#define FILLED       0.75    /* spacings around a particle that count as liquid: disorder leaves no gap */
-#define NEAR         1.2     /* cells, distance of a surface from a centre */
-#define SHARP        0.05    /* least radius of a surface over that of its parallel */
-#define OUTSIDE      0.5     /* fine spacings outside a surface, where air is if it is free */
-#define SOLID_MARGIN 4.      /* fine spacings around solids and emitters within which the liquid is fine */
-#define BACKWARD     13      /* neighbours of a cell that come before it, of 26 */
+#define CELL         2.        /* fine spacings, least width of a cell */
+#define CELLS_MOST   2000000   /* wider cells keep to this number */
+#define CELL_GROWTH  1.1       /* factor by which they widen */
+#define STENCIL      2.        /* fine spacings, step of the differences for the curvature of a body */
+#define ACROSS       5.        /* particles across a sheet, which marked cells make 0.9 cells thicker than it is */
+#define MARCH        0.5       /* cells, step of the search for the other side */
+#define FILLED       0.75      /* spacings around a particle that count as liquid: disorder leaves no gap */
+#define NEAR         1.2       /* cells, distance of a surface from a centre */
+#define SHARP        0.05      /* least radius of a surface over that of its parallel */
+#define OUTSIDE      0.5       /* fine spacings outside a surface, where air is if it is free */
+#define SOLID_MARGIN 4.        /* fine spacings around solids and emitters within which the liquid is fine */
+#define BACKWARD     13        /* neighbours of a cell that come before it, of 26 */
+#define FAR          (1 << 30) /* the coarse spacing in units is about this, or less */
 
 static PetscInt CellOf(const Target *t, const PetscReal x[DIM])
 {
@@ -30,6 +31,11 @@ static PetscInt CellOf(const Target *t, const PetscReal x[DIM])
   return CellIndex(t->n, at[0], at[1], at[2]);
 }
 
+static PetscInt InUnits(const Target *t, PetscReal spacing)
+{
+  return (PetscInt)PetscFloorReal(spacing / t->unit + 0.5);
+}
+
 static void CellCenter(const Target *t, PetscInt c, PetscReal x[DIM])
 {
   PetscInt at[DIM];
@@ -38,33 +44,47 @@ static void CellCenter(const Target *t, PetscInt c, PetscReal x[DIM])
   for (PetscInt d = 0; d < DIM; d++) x[d] = t->n[d] > 1 ? t->lower[d] + (at[d] + 0.5) * t->size : 0;
 }
 
+static PetscErrorCode Lay(Domain domain, Target *t)
+{
+  PetscReal count, step;
+
+  PetscFunctionBegin;
+  t->size = CELL * domain->spacing;
+  do {
+    count = 1;
+    for (PetscInt d = 0; d < DIM; d++) {
+      t->lower[d] = domain->lower[d];
+      t->n[d]     = d < domain->dim ? (PetscInt)PetscCeilReal((domain->upper[d] - domain->lower[d]) / t->size) : 1;
+      count *= t->n[d];
+    }
+    if (count > CELLS_MOST) t->size *= CELL_GROWTH;
+  } while (count > CELLS_MOST);
+  t->count = (PetscInt)count;
+  step     = domain->growth * t->size / 3;
+  t->third = (PetscInt)PetscMax(1, FAR * PetscMin(step / domain->spacing_coarse, 0.1));
+  t->unit  = step / t->third;
+  {
+    const SharedArray arrays[] = {{&t->value, t->count, sizeof(PetscInt)}, {&t->liquid, t->count, 1}};
+
+    PetscCall(SharedCreate(domain->comm, PETSC_STATIC_ARRAY_LENGTH(arrays), arrays, &t->shared));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode TargetClear(Scene scene)
 {
   const Domain domain = SceneDomain(scene);
   Target      *t      = TargetOf(scene);
+  PetscInt     first, end;
 
   PetscFunctionBegin;
-  if (!t->value) {
-    PetscReal count;
-
-    t->size = CELL * domain->spacing;
-    do {
-      count = 1;
-      for (PetscInt d = 0; d < DIM; d++) {
-        t->lower[d] = domain->lower[d];
-        t->n[d]     = d < domain->dim ? (PetscInt)PetscCeilReal((domain->upper[d] - domain->lower[d]) / t->size) : 1;
-        count *= t->n[d];
-      }
-      if (count > CELLS_MOST) t->size *= CELL_GROWTH;
-    } while (count > CELLS_MOST);
-    t->count = (PetscInt)count;
-    PetscCall(SharedCreate(domain->comm, (size_t)t->count * (sizeof(float) + 1), &t->shared));
-    t->value  = (float *)t->shared.data;
-    t->liquid = (unsigned char *)(t->value + t->count);
-  }
+  if (!t->value) PetscCall(Lay(domain, t));
   PetscCall(SharedFence(&t->shared)); /* no rank reads the former target any more */
-  for (PetscInt c = 0; c < t->count && t->shared.leads; c++) t->value[c] = (float)domain->spacing_coarse;
-  if (t->shared.leads) PetscCall(PetscArrayzero(t->liquid, t->count));
+  SharedSlice(&t->shared, t->count, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
+    t->value[c]  = InUnits(t, domain->spacing_coarse);
+    t->liquid[c] = 0;
+  }
   PetscCall(SharedFence(&t->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -76,7 +96,7 @@ void TargetAdd(Scene scene, const PetscReal x[DIM], PetscReal spacing)
   const PetscReal within = domain->growth * (BAND * domain->spacing);
 
   if (spacing < domain->spacing_coarse - within)
-    SharedMin(&target->value[CellOf(target, x)], (float)(spacing - within));
+    SharedMin(&target->value[CellOf(target, x)], InUnits(target, spacing - within));
 }
 
 void TargetFill(Scene scene, const PetscReal x[DIM], PetscReal spacing)
@@ -137,11 +157,16 @@ PetscReal TargetSpacing(Scene scene, const PetscReal x[DIM], const PetscReal int
   return PetscMax(domain->spacing, spacing);
 }
 
-/* What the neighbours of a cell at the edge of the grid allow that come before it in a pass: see Sweep. */
-static float LeastAtEdge(const Domain domain, const Target *t, const PetscInt at[DIM], PetscInt direction,
-                         const float step[DIM + 1])
+/* What the cell allows one that is so many moves along axes away; another rank may be about to make it less. */
+static inline PetscInt Allowed(const Target *t, PetscInt cell, PetscInt moves)
 {
-  float least = t->value[CellIndex(t->n, at[0], at[1], at[2])];
+  return __atomic_load_n(&t->value[cell], __ATOMIC_RELAXED) + (2 + moves) * t->third;
+}
+
+/* What the neighbours of a cell at the edge of the grid allow that come before it in a pass: see Sweep. */
+static PetscInt LeastAtEdge(const Domain domain, const Target *t, const PetscInt at[DIM], PetscInt direction)
+{
+  PetscInt least = t->value[CellIndex(t->n, at[0], at[1], at[2])];
 
   for (PetscInt l = 0; l < BACKWARD; l++) {
     const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
@@ -154,55 +179,60 @@ static float LeastAtEdge(const Domain domain, const Target *t, const PetscInt at
       if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
       inside = (PetscBool)(inside && to[d] >= 0 && to[d] < t->n[d]);
     }
-    if (inside) least = PetscMin(least, t->value[CellIndex(t->n, to[0], to[1], to[2])] + step[moves]);
+    if (inside) least = PetscMin(least, Allowed(t, CellIndex(t->n, to[0], to[1], to[2]), moves));
   }
   return least;
 }
 
-/* A pass over the cells, forwards or backwards: each takes what those before it allow. */
-static void Sweep(const Domain domain, Target *t, PetscInt direction)
+/* A pass over the cells first .. end - 1, forwards or backwards: each takes what those before it allow. Returns whether
+   one has become less. */
+static PetscBool Sweep(const Domain domain, Target *t, PetscInt first, PetscInt end, PetscInt direction)
 {
-  const float step[DIM + 1] = {0, (float)(domain->growth * t->size), (float)(domain->growth * t->size * 4 / 3),
-                               (float)(domain->growth * t->size * 5 / 3)};
-  PetscInt    offset[BACKWARD], near = 0; /* the neighbours of a cell inside the grid */
-  float       allows[BACKWARD];
+  PetscInt  offset[BACKWARD], moves[BACKWARD], near = 0; /* the neighbours of a cell inside the grid */
+  PetscBool changed = PETSC_FALSE;
 
   for (PetscInt l = 0; l < BACKWARD; l++) {
     const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
 
     if (t->n[2] == 1 && by[2] != 0) continue;
-    offset[near]   = direction * CellIndex(t->n, by[0], by[1], by[2]);
-    allows[near++] = step[(by[0] != 0) + (by[1] != 0) + (by[2] != 0)];
+    offset[near]  = direction * CellIndex(t->n, by[0], by[1], by[2]);
+    moves[near++] = (by[0] != 0) + (by[1] != 0) + (by[2] != 0);
   }
-  for (PetscInt k = 0; k < t->count; k++) {
-    const PetscInt c      = direction > 0 ? k : t->count - 1 - k;
-    float          least  = t->value[c];
+  for (PetscInt k = first; k < end; k++) {
+    const PetscInt c      = direction > 0 ? k : first + end - 1 - k;
+    PetscInt       least  = t->value[c], at[DIM];
     PetscBool      inside = PETSC_TRUE;
-    PetscInt       at[DIM];
 
     CellCoordinates(t->n, c, at);
     for (PetscInt d = 0; d < domain->dim; d++) inside = (PetscBool)(inside && at[d] > 0 && at[d] < t->n[d] - 1);
     if (inside)
-      for (PetscInt l = 0; l < near; l++) least = PetscMin(least, t->value[c + offset[l]] + allows[l]);
+      for (PetscInt l = 0; l < near; l++) least = PetscMin(least, Allowed(t, c + offset[l], moves[l]));
     else
-      least = LeastAtEdge(domain, t, at, direction, step);
-    t->value[c] = least;
+      least = LeastAtEdge(domain, t, at, direction);
+    changed = (PetscBool)(changed || least < t->value[c]);
+    __atomic_store_n(&t->value[c], least, __ATOMIC_RELAXED);
   }
+  return changed;
 }
 
+/* Two passes suffice, but over periodic faces and over cells of other ranks: there passes go on until none changes a
+   cell. What they arrive at depends on no order, since no sum is rounded. */
 PetscErrorCode TargetSpread(Scene scene)
 {
   const Domain domain = SceneDomain(scene);
   Target      *t      = TargetOf(scene);
-  PetscBool    wraps  = PETSC_FALSE;
+  PetscBool    open   = (PetscBool)(t->shared.size > 1), changed;
+  PetscInt     first, end;
 
   PetscFunctionBegin;
-  PetscCall(SharedReduce(&t->shared, t->value, t->count, MPI_FLOAT, MPI_MIN));
-  for (PetscInt d = 0; d < domain->dim; d++) wraps = (PetscBool)(wraps || domain->face[d][0] == FACE_PERIODIC);
-  for (PetscInt round = 0; round < (wraps ? 2 : 1) && t->shared.leads; round++) {
-    Sweep(domain, t, 1);
-    Sweep(domain, t, -1);
-  }
+  for (PetscInt d = 0; d < domain->dim; d++) open = (PetscBool)(open || domain->face[d][0] == FACE_PERIODIC);
+  SharedSlice(&t->shared, t->count, &first, &end);
+  PetscCall(SharedReduce(&t->shared, t->value, t->count, MPIU_INT, MPI_MIN));
+  do {
+    changed = Sweep(domain, t, first, end, 1);
+    changed = (PetscBool)(Sweep(domain, t, first, end, -1) || changed);
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPIU_BOOL, MPI_LOR, t->shared.machine));
+  } while (changed && open);
   PetscCall(SharedFence(&t->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -232,7 +262,7 @@ PetscReal TargetAt(Domain domain, const PetscReal x[DIM])
     }
     sum += weight * t->value[CellIndex(t->n, at[0], at[1], at[2])];
   }
-  return sum;
+  return sum * t->unit;
 }
 
 /* The distance of x (m) from the surface of body b, mirrored at walls and mirrors of the box, so that a body that ends

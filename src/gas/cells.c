@@ -19,7 +19,47 @@ static PetscBool Alone(const GasCells *cells, const PetscReal x[DIM], PetscReal 
   return PETSC_TRUE;
 }
 
-static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
+/* Lays the arrays of blocks; solids: the scene has some. */
+static PetscErrorCode ShareBlocks(GasCells *cells, MPI_Comm comm, PetscBool solids)
+{
+  const PetscInt    all      = cells->all;
+  const SharedArray arrays[] = {{&cells->block, all, sizeof(PetscInt)},
+                                {&cells->home, all, sizeof(PetscInt)},
+                                {&cells->close.mask, all, sizeof(GasMask)},
+                                {&cells->seen.mask, all, sizeof(GasMask)},
+                                {&cells->held.mask, all, sizeof(GasMask)},
+                                {&cells->wet.mask, all, sizeof(GasMask)},
+                                {&cells->close.beside, all, 1},
+                                {&cells->seen.beside, all, 1},
+                                {&cells->held.beside, all, 1},
+                                {&cells->wet.beside, all, 1},
+                                {&cells->touch, all, 1},
+                                {&cells->core, solids ? all * cells->per : 0, 1}};
+
+  PetscFunctionBegin;
+  PetscCall(SharedCreate(comm, PETSC_STATIC_ARRAY_LENGTH(arrays), arrays, &cells->of_blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for the nodes. */
+static PetscErrorCode ShareNodes(GasCells *cells, MPI_Comm comm)
+{
+  const PetscInt    nodes = cells->near * cells->per + cells->all, room = nodes + nodes / 4;
+  const SharedArray arrays[] = {{&cells->sum, room, sizeof(PetscInt64)},
+                                {&cells->filled, room, sizeof(PetscReal)},
+                                {&cells->solid, room, sizeof(PetscReal)},
+                                {&cells->label, room, sizeof(PetscInt)},
+                                {&cells->owner, room, sizeof(PetscInt)}};
+
+  PetscFunctionBegin;
+  if (nodes <= cells->capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  cells->capacity = room;
+  PetscCall(SharedDestroy(&cells->of_nodes));
+  PetscCall(SharedCreate(comm, PETSC_STATIC_ARRAY_LENGTH(arrays), arrays, &cells->of_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetGrid(GasCells *cells, Domain domain, PetscBool solids)
 {
   PetscFunctionBegin;
   if (cells->block) PetscFunctionReturn(PETSC_SUCCESS);
@@ -55,12 +95,7 @@ static PetscErrorCode SetGrid(GasCells *cells, Domain domain)
 
     cells->column[i] = cells->volume * DomainPairLength(domain, x, x);
   }
-  PetscCall(PetscMalloc1(cells->all, &cells->block));
-  PetscCall(PetscMalloc1(cells->all, &cells->home));
-  for (GasSet *const *set = (GasSet *const[]){&cells->close, &cells->seen, &cells->held, NULL}; *set; set++) {
-    PetscCall(PetscMalloc1(cells->all, &(*set)->mask));
-    PetscCall(PetscMalloc1(cells->all, &(*set)->beside));
-  }
+  PetscCall(ShareBlocks(cells, domain->comm, solids));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -106,15 +141,32 @@ static void AddBeside(const GasCells *cells, PetscInt home, unsigned char beside
     to[d]   = PetscMin(cells->blocks[d] - 1, at[d] + 1);
     at[d]   = from[d];
   }
-  do beside[CellIndex(cells->blocks, at[0], at[1], at[2])] = 1;
+  do SharedOr(&beside[CellIndex(cells->blocks, at[0], at[1], at[2])], 1);
   while (CellNext(from, to, at));
 }
 
-void GasSetBeside(const GasCells *cells, GasSet *set)
+/* Forgets which blocks are beside those of a set. Returns the blocks with cells first .. end - 1 that are this rank's.
+ */
+static PetscErrorCode ClearBeside(const GasCells *cells, GasSet *set, PetscInt *first, PetscInt *end)
 {
-  for (PetscInt b = 0; b < cells->all; b++) set->beside[b] = 0;
-  for (PetscInt b = 0; b < cells->near; b++)
+  PetscFunctionBegin;
+  SharedSlice(&cells->of_blocks, cells->all, first, end);
+  PetscCall(PetscArrayzero(set->beside + *first, *end - *first));
+  PetscCall(SharedFence(&cells->of_blocks));
+  SharedSlice(&cells->of_blocks, cells->near, first, end);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode GasSetBeside(const GasCells *cells, GasSet *set)
+{
+  PetscInt first, end;
+
+  PetscFunctionBegin;
+  PetscCall(ClearBeside(cells, set, &first, &end));
+  for (PetscInt b = first; b < end; b++)
     if (set->mask[b]) AddBeside(cells, cells->home[b], set->beside);
+  PetscCall(SharedFence(&cells->of_blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether there may be cells within 'reach' (m) of x in blocks that have been added to beside. */
@@ -145,10 +197,9 @@ static PetscErrorCode FindInside(Cloud cloud, Pressure pressure, PetscBool insid
 }
 
 /* Calls 'visit' for the images of the owned particles. */
-typedef void (*Visitor)(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM],
-                        void *context);
+typedef void (*Visitor)(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM]);
 
-static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Visitor visit, void *context)
+static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Visitor visit)
 {
   const PetscReal support = KernelSupport(cloud->kernel);
 
@@ -158,64 +209,49 @@ static void ForImages(GasCells *cells, Cloud cloud, const PetscBool inside[], Vi
     PetscInt         n;
 
     if (Alone(cells, x, cloud->size[a] * support)) {
-      visit(cells, cloud, a, inside[a], x, context);
+      visit(cells, cloud, a, inside[a], x);
       continue;
     }
     n = DomainImages(cloud->domain, x, cloud->size[a] * support, image);
-    for (PetscInt k = 0; k < n; k++) visit(cells, cloud, a, inside[a], image[k].x, context);
+    for (PetscInt k = 0; k < n; k++) visit(cells, cloud, a, inside[a], image[k].x);
   }
 }
 
-/* The blocks that a particle touches; context: [all] TOUCH_..., of what is inside, of other particles of walls of the
-   box, and of the rest. */
-static void TouchBlocks(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM],
-                        void *context)
+/* Tells the blocks that a particle touches what it is: inside, a particle of a wall of the box, or another. */
+static void TouchBlocks(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM])
 {
-  const Domain   domain = cloud->domain;
-  unsigned char *touch  = (unsigned char *)context;
-  unsigned char  kind   = inside ? TOUCH_FULL : cloud->integer[INT_BODY][a] == BODY_WALL ? TOUCH_WALL : TOUCH_NEAR;
-  PetscInt       first[DIM], last[DIM];
+  const Domain        domain = cloud->domain;
+  const unsigned char kind   = inside ? TOUCH_FULL : cloud->integer[INT_BODY][a] == BODY_WALL ? TOUCH_WALL : TOUCH_NEAR;
+  PetscInt            first[DIM], last[DIM];
 
   if (!Range(cells, domain, x, cloud->size[a] * (inside ? domain->spacing : KernelSupport(cloud->kernel)), first, last))
     return;
   for (PetscInt d = 0; d < DIM; d++) first[d] >>= cells->shift[d], last[d] >>= cells->shift[d];
   for (PetscInt k = first[2]; k <= last[2]; k++)
     for (PetscInt j = first[1]; j <= last[1]; j++)
-      for (PetscInt i = first[0]; i <= last[0]; i++) touch[CellIndex(cells->blocks, i, j, k)] |= kind;
+      for (PetscInt i = first[0]; i <= last[0]; i++) SharedOr(&cells->touch[CellIndex(cells->blocks, i, j, k)], kind);
 }
 
-/* touch: [all] */
-static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool inside[], unsigned char touch[])
+static PetscErrorCode SetBlocks(GasCells *cells, Cloud cloud, const PetscBool inside[])
 {
+  PetscInt first, end, near = 0, before;
+
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(touch, cells->all));
-  ForImages(cells, cloud, inside, TouchBlocks, touch);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, touch, (PetscMPIInt)cells->all, MPI_UNSIGNED_CHAR, MPI_BOR, cloud->comm));
-  cells->near = 0;
-  for (PetscInt b = 0; b < cells->all; b++) {
-    cells->block[b] = touch[b] ? BLOCK_FULL : BLOCK_EMPTY;
-    if (touch[b] <= TOUCH_FULL) continue;
-    cells->home[cells->near] = b;
-    cells->block[b]          = cells->near++;
+  SharedSlice(&cells->of_blocks, cells->all, &first, &end);
+  PetscCall(SharedFence(&cells->of_blocks)); /* no rank reads these cells any more */
+  PetscCall(PetscArrayzero(cells->touch + first, end - first));
+  PetscCall(SharedFence(&cells->of_blocks));
+  ForImages(cells, cloud, inside, TouchBlocks);
+  PetscCall(SharedReduce(&cells->of_blocks, cells->touch, cells->all, MPI_UNSIGNED_CHAR, MPI_BOR));
+  for (PetscInt b = first; b < end; b++) near += cells->touch[b] > TOUCH_FULL;
+  PetscCall(SharedCount(&cells->of_blocks, near, &before, &cells->near));
+  for (PetscInt b = first; b < end; b++) {
+    cells->block[b] = cells->touch[b] ? BLOCK_FULL : BLOCK_EMPTY;
+    if (cells->touch[b] <= TOUCH_FULL) continue;
+    cells->home[before] = b;
+    cells->block[b]     = before++;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Reserve(GasCells *cells)
-{
-  const PetscInt nodes = cells->near * cells->per + cells->all;
-
-  PetscFunctionBegin;
-  if (nodes <= cells->capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  cells->capacity = nodes + nodes / 4;
-  PetscCall(PetscFree(cells->filled));
-  PetscCall(PetscFree(cells->solid));
-  PetscCall(PetscFree(cells->label));
-  PetscCall(PetscFree(cells->owner));
-  PetscCall(PetscMalloc1(cells->capacity, &cells->filled));
-  PetscCall(PetscMalloc1(cells->capacity, &cells->solid));
-  PetscCall(PetscMalloc1(cells->capacity, &cells->label));
-  PetscCall(PetscMalloc1(cells->capacity, &cells->owner));
+  PetscCall(SharedFence(&cells->of_blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,20 +279,14 @@ static GasMask BoxMask(const GasCells *cells, const PetscInt at[DIM], const Pets
          SlabMask(cells, 2, at[2], first[2], last[2]);
 }
 
-typedef struct {
-  GasMask       *wet, *close; /* [near] the cells near what is inside, and those within the support of the others */
-  unsigned char *beside;      /* [all] whether a block or one beside it has cells */
-} Marks;
-
-/* context: Marks */
-static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM], void *context)
+/* Marks the cells near a particle inside as wet, and those within the support of another as close. */
+static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside, const PetscReal x[DIM])
 {
-  const Marks    *marks = (const Marks *)context;
-  GasMask        *mask  = inside ? marks->wet : marks->close;
+  GasMask        *mask  = inside ? cells->wet.mask : cells->close.mask;
   const PetscReal reach = inside ? NEAR_WET * cloud->domain->spacing : KernelSupport(cloud->kernel);
   PetscInt        first[DIM], last[DIM], from[DIM], to[DIM], at[DIM];
 
-  if (!MayReach(cells, cloud->domain, marks->beside, x, cloud->size[a] * reach) ||
+  if (!MayReach(cells, cloud->domain, cells->wet.beside, x, cloud->size[a] * reach) ||
       !Range(cells, cloud->domain, x, cloud->size[a] * reach, first, last))
     return;
   for (PetscInt d = 0; d < DIM; d++) {
@@ -266,7 +296,7 @@ static void MarkCells(GasCells *cells, Cloud cloud, PetscInt a, PetscBool inside
   do {
     const PetscInt block = cells->block[CellIndex(cells->blocks, at[0], at[1], at[2])];
 
-    if (block >= 0) mask[block] |= BoxMask(cells, at, first, last);
+    if (block >= 0) SharedOr(&mask[block], BoxMask(cells, at, first, last));
   } while (CellNext(from, to, at));
 }
 
@@ -369,26 +399,33 @@ void GasCellsNear(const GasCells *cells, Cloud cloud, const GasSet *set, PetscIn
   for (PetscInt k = 0; k < n; k++) ForImage(cells, cloud, set, a, &image[k], image[k].x, reach, slopes, visit, context);
 }
 
-/* Where a particle's sums go, and its volume of GasPart. */
-typedef struct {
-  PetscReal *sum, part;
-} Filling;
-
+/* Adds a particle of this volume (GasPart) to the sums of cells. */
 static void AddFilled(const GasCells *cells, const GasNear *near, void *context)
 {
-  const Filling *filling = (const Filling *)context;
+  const PetscReal part = *(const PetscReal *)context;
 
-  for (PetscInt m = 0; m < near->n; m++) filling->sum[near->node[m]] += filling->part * near->W[m];
+  for (PetscInt m = 0; m < near->n; m++) SharedAdd(&cells->of_nodes, &cells->sum[near->node[m]], part * near->W[m]);
 }
 
-/* Adds the particles from 'first' on to the sums of the cells; full: sum V W on a full lattice. */
-static void FillFrom(const GasCells *cells, Cloud cloud, PetscInt first, PetscReal full, PetscReal sum[])
+/* The sums of the particles from 'start' on at the cells, [near][per]; full: sum V W on a full lattice. */
+static PetscErrorCode FillFrom(GasCells *cells, Cloud cloud, PetscInt start, PetscReal full, PetscReal value[])
 {
-  for (PetscInt a = first; a < cloud->n_owned; a++) {
-    Filling filling = {sum, GasPart(cloud, a, full)};
+  const PetscInt count = cells->near * cells->per;
+  PetscInt       first, end;
 
-    GasCellsNear(cells, cloud, &cells->close, a, PETSC_FALSE, AddFilled, &filling);
+  PetscFunctionBegin;
+  SharedSlice(&cells->of_nodes, count, &first, &end);
+  PetscCall(PetscArrayzero(cells->sum + first, end - first));
+  PetscCall(SharedFence(&cells->of_nodes));
+  for (PetscInt a = start; a < cloud->n_owned; a++) {
+    PetscReal part = GasPart(cloud, a, full);
+
+    GasCellsNear(cells, cloud, &cells->close, a, PETSC_FALSE, AddFilled, &part);
   }
+  PetscCall(SharedReduce(&cells->of_nodes, cells->sum, count, MPI_INT64_T, MPI_SUM));
+  for (PetscInt c = first; c < end; c++) value[c] = (PetscReal)cells->sum[c] * SHARED_UNIT;
+  PetscCall(SharedFence(&cells->of_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The middle of a cell, or of the first cell of an empty block. */
@@ -401,9 +438,9 @@ static void CellMiddle(const GasCells *cells, Domain domain, PetscInt node, Pets
 }
 
 /* Whether a cell is full by what is inside beside it. */
-static PetscBool IsWet(const GasCells *cells, const GasMask wet[], PetscInt c)
+static PetscBool IsWet(const GasCells *cells, PetscInt c)
 {
-  return (PetscBool)((wet[c / cells->per] & ~cells->close.mask[c / cells->per]) >> (c % cells->per) & 1);
+  return (PetscBool)((cells->wet.mask[c / cells->per] & ~cells->close.mask[c / cells->per]) >> (c % cells->per) & 1);
 }
 
 enum { CORE_UNKNOWN, CORE_OUTSIDE, CORE_DEEP, CORE_HOLLOW };
@@ -419,127 +456,107 @@ static unsigned char CoreOf(const GasCells *cells, Cloud cloud, PetscInt node)
   return depth > MARGIN ? CORE_HOLLOW : depth > 1 ? CORE_DEEP : CORE_OUTSIDE;
 }
 
-/* Finds the CORE_... of cells that none has; the ranks of a machine share them. */
-static PetscErrorCode FindCores(GasCells *cells, Cloud cloud, const GasMask wet[], PetscBool moved)
+/* Cells inside a solid are full. Solids at rest are asked for each cell once. first .. end - 1: the blocks with cells
+   of this rank. */
+static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, PetscBool moved, PetscInt first, PetscInt end)
 {
-  unsigned char *core;
+  PetscInt from, to;
 
-  PetscFunctionBegin;
-  if (!cells->core.data) PetscCall(SharedCreate(cloud->comm, (size_t)cells->all * cells->per, &cells->core));
-  core = (unsigned char *)cells->core.data;
-  PetscCall(SharedFence(&cells->core));
-  if (moved && cells->core.leads) PetscCall(PetscArrayzero(core, cells->all * cells->per));
-  PetscCall(SharedFence(&cells->core));
-  for (PetscInt c = cells->core.rank; c < cells->near * cells->per; c += cells->core.size) {
-    const PetscInt at = cells->home[c / cells->per] * cells->per + c % cells->per;
-
-    if (core[at] == CORE_UNKNOWN && !IsWet(cells, wet, c)) core[at] = CoreOf(cells, cloud, c);
-  }
-  PetscCall(SharedFence(&cells->core));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Cells inside a solid are full. Solids at rest are asked for each cell once. */
-static PetscErrorCode FillSolids(GasCells *cells, Cloud cloud, const GasMask wet[], PetscBool moved)
-{
   PetscFunctionBegin;
   if (!SceneSolidCount(cloud->scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(FindCores(cells, cloud, wet, moved));
-  for (PetscInt c = 0; c < cells->near * cells->per; c++) {
-    const unsigned char core =
-      ((unsigned char *)cells->core.data)[cells->home[c / cells->per] * cells->per + c % cells->per];
-
-    if (IsWet(cells, wet, c)) continue;
-    if (core == CORE_HOLLOW || (core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
-    if (core == CORE_HOLLOW) cells->close.mask[c / cells->per] &= ~((GasMask)1 << (c % cells->per));
-  }
-  for (PetscInt b = 0; b < cells->all; b++)
+  SharedSlice(&cells->of_blocks, cells->all, &from, &to);
+  if (moved) PetscCall(PetscArrayzero(cells->core + from * cells->per, (to - from) * cells->per));
+  for (PetscInt b = from; b < to; b++)
     if (cells->block[b] == BLOCK_EMPTY && CoreOf(cells, cloud, cells->near * cells->per + b) > CORE_OUTSIDE)
       cells->block[b] = BLOCK_FULL;
+  PetscCall(SharedFence(&cells->of_blocks));
+  for (PetscInt c = first * cells->per; c < end * cells->per; c++) {
+    unsigned char *core = &cells->core[cells->home[c / cells->per] * cells->per + c % cells->per];
+
+    if (IsWet(cells, c)) continue;
+    if (*core == CORE_UNKNOWN) *core = CoreOf(cells, cloud, c);
+    if (*core == CORE_HOLLOW || (*core == CORE_DEEP && cells->filled[c] < 0.5)) cells->filled[c] = 1;
+    if (*core == CORE_HOLLOW) cells->close.mask[c / cells->per] &= ~((GasMask)1 << (c % cells->per));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the cells that particles inside and others touch, but not those of dry blocks (touch: see FillDry) if these are
-   'left' out. */
-static PetscErrorCode FindMarks(GasCells *cells, Cloud cloud, const PetscBool inside[], const unsigned char touch[],
-                                PetscBool left, Marks *marks)
+/* Whether nothing but dry walls of the box touches a block with cells. */
+static PetscBool IsDry(const GasCells *cells, PetscInt b)
 {
+  return (PetscBool)(cells->touch[cells->home[b]] == TOUCH_WALL);
+}
+
+/* Finds the cells that particles inside and others touch; unless exact, not those of dry blocks, and of those beside
+   particles inside none to sum over. */
+static PetscErrorCode FindMarks(GasCells *cells, Cloud cloud, const PetscBool inside[], PetscBool exact)
+{
+  PetscInt first, end;
+
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(2 * cells->near, &marks->wet));
-  PetscCall(PetscCalloc1(cells->all, &marks->beside));
-  marks->close = marks->wet + cells->near;
-  for (PetscInt b = 0; b < cells->near; b++)
-    if (!left || touch[cells->home[b]] != TOUCH_WALL) AddBeside(cells, cells->home[b], marks->beside);
-  ForImages(cells, cloud, inside, MarkCells, marks);
-  PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, marks->wet, (PetscMPIInt)(2 * cells->near), MPI_UINT64_T, MPI_BOR, cloud->comm));
+  PetscCall(ClearBeside(cells, &cells->wet, &first, &end));
+  for (PetscInt b = first; b < end; b++) {
+    cells->wet.mask[b] = cells->close.mask[b] = 0;
+    if (exact || !IsDry(cells, b)) AddBeside(cells, cells->home[b], cells->wet.beside);
+  }
+  PetscCall(SharedFence(&cells->of_blocks));
+  ForImages(cells, cloud, inside, MarkCells);
+  PetscCall(SharedReduce(&cells->of_blocks, cells->wet.mask, cells->near, MPI_UINT64_T, MPI_BOR));
+  PetscCall(SharedReduce(&cells->of_blocks, cells->close.mask, cells->near, MPI_UINT64_T, MPI_BOR));
+  for (PetscInt b = first; b < end && !exact; b++)
+    cells->close.mask[b] = IsDry(cells, b) ? 0 : cells->close.mask[b] & ~cells->wet.mask[b];
+  PetscCall(GasSetBeside(cells, &cells->close));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells of dry blocks, which nothing but dry walls of the box touches, without sums: what is in the box is empty.
- */
-static void FillDry(GasCells *cells, Domain domain, const unsigned char touch[])
+/* The cells of dry blocks, without sums: what is in the box is empty. first .. end - 1: the blocks of this rank. */
+static void FillDry(GasCells *cells, Domain domain, PetscInt first, PetscInt end)
 {
-  PetscInt first[DIM] = {0, 0, 0}, last[DIM] = {0, 0, 0}, at[DIM];
+  PetscInt from[DIM] = {0, 0, 0}, to[DIM] = {0, 0, 0}, at[DIM];
 
   for (PetscInt d = 0; d < domain->dim; d++) {
-    first[d] = (PetscInt)PetscCeilReal((domain->lower[d] - cells->lower[d]) * cells->many[d] - 0.5);
-    last[d]  = (PetscInt)PetscFloorReal((domain->upper[d] - cells->lower[d]) * cells->many[d] - 0.5);
+    from[d] = (PetscInt)PetscCeilReal((domain->lower[d] - cells->lower[d]) * cells->many[d] - 0.5);
+    to[d]   = (PetscInt)PetscFloorReal((domain->upper[d] - cells->lower[d]) * cells->many[d] - 0.5);
   }
-  for (PetscInt b = 0; b < cells->near; b++) {
+  for (PetscInt b = first; b < end; b++) {
     GasMask in = 0;
 
-    if (touch[cells->home[b]] != TOUCH_WALL) continue;
+    if (!IsDry(cells, b)) continue;
     CellCoordinates(cells->blocks, cells->home[b], at);
-    in = BoxMask(cells, at, first, last);
+    in = BoxMask(cells, at, from, to);
     for (PetscInt c = 0; c < cells->per; c++) cells->filled[b * cells->per + c] = (PetscReal) !(in >> c & 1);
   }
 }
 
 PetscErrorCode GasCellsFill(GasCells *cells, Cloud cloud, Pressure pressure, PetscBool moved, PetscBool exact)
 {
-  PetscInt       count;
-  PetscBool     *inside;
-  unsigned char *touch;
-  Marks          marks;
+  PetscInt   first, end;
+  PetscBool *inside;
 
   PetscFunctionBegin;
-  PetscCall(SetGrid(cells, cloud->domain));
-  PetscCall(PetscMalloc2(cloud->n_owned, &inside, cells->all, &touch));
+  PetscCall(SetGrid(cells, cloud->domain, (PetscBool)(SceneSolidCount(cloud->scene) > 0)));
+  PetscCall(PetscMalloc1(cloud->n_owned, &inside));
   PetscCall(FindInside(cloud, pressure, inside));
-  PetscCall(SetBlocks(cells, cloud, inside, touch));
-  PetscCall(Reserve(cells));
-  PetscCall(FindMarks(cells, cloud, inside, touch, (PetscBool)!exact, &marks));
-  count = cells->near * cells->per;
-  for (PetscInt b = 0; b < cells->near; b++)
-    cells->close.mask[b] = exact                                 ? marks.close[b]
-                           : touch[cells->home[b]] == TOUCH_WALL ? 0
-                                                                 : marks.close[b] & ~marks.wet[b];
-  GasSetBeside(cells, &cells->close);
-  PetscCall(PetscArrayzero(cells->filled, count));
+  PetscCall(SetBlocks(cells, cloud, inside));
+  PetscCall(ShareNodes(cells, cloud->comm));
+  PetscCall(FindMarks(cells, cloud, inside, exact));
+  PetscCall(PetscFree(inside));
   cells->solid_known = PETSC_FALSE;
-  FillFrom(cells, cloud, 0, PressureFull(pressure), cells->filled);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->filled, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
-  for (PetscInt c = 0; c < count; c++)
-    if (IsWet(cells, marks.wet, c)) cells->filled[c] = 1;
-  if (!exact) FillDry(cells, cloud->domain, touch);
-  PetscCall(FillSolids(cells, cloud, marks.wet, moved));
-  PetscCall(PetscFree(marks.wet));
-  PetscCall(PetscFree(marks.beside));
-  PetscCall(PetscFree2(inside, touch));
+  PetscCall(FillFrom(cells, cloud, 0, PressureFull(pressure), cells->filled));
+  SharedSlice(&cells->of_blocks, cells->near, &first, &end);
+  for (PetscInt c = first * cells->per; c < end * cells->per; c++)
+    if (IsWet(cells, c)) cells->filled[c] = 1;
+  if (!exact) FillDry(cells, cloud->domain, first, end);
+  PetscCall(FillSolids(cells, cloud, moved, first, end));
+  PetscCall(SharedFence(&cells->of_blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode GasCellsSolid(GasCells *cells, Cloud cloud, PetscReal full)
 {
-  const PetscInt count = cells->near * cells->per;
-
   PetscFunctionBegin;
-  if (cells->solid_known) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!cells->solid_known) PetscCall(FillFrom(cells, cloud, cloud->n_fluid, full, cells->solid));
   cells->solid_known = PETSC_TRUE;
-  PetscCall(PetscArrayzero(cells->solid, count));
-  FillFrom(cells, cloud, cloud->n_fluid, full, cells->solid);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, cells->solid, (PetscMPIInt)count, MPIU_REAL, MPIU_SUM, cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -618,16 +635,7 @@ PetscErrorCode GasCellsDestroy(GasCells *cells)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree(cells->column));
-  PetscCall(PetscFree(cells->block));
-  PetscCall(PetscFree(cells->home));
-  for (GasSet *const *set = (GasSet *const[]){&cells->close, &cells->seen, &cells->held, NULL}; *set; set++) {
-    PetscCall(PetscFree((*set)->mask));
-    PetscCall(PetscFree((*set)->beside));
-  }
-  PetscCall(SharedDestroy(&cells->core));
-  PetscCall(PetscFree(cells->filled));
-  PetscCall(PetscFree(cells->solid));
-  PetscCall(PetscFree(cells->label));
-  PetscCall(PetscFree(cells->owner));
+  PetscCall(SharedDestroy(&cells->of_blocks));
+  PetscCall(SharedDestroy(&cells->of_nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -13,33 +13,37 @@
 /* What a region of emptiness is, or the number of a pocket, 1 ... count. */
 enum { GAS_LIQUID = -2, GAS_VOID = -1, GAS_AIR = 0 };
 
-/* --- cells.c: cells of one spacing near free surfaces, walls and solids, the same on every rank. Cells lie in blocks;
-   a block that no such particle reaches has no cells, it is empty or full as a whole. A node is a cell or an empty
-   block. --- */
+/* --- cells.c: cells of one spacing near free surfaces, walls and solids, which the ranks of a machine share. Cells lie
+   in blocks; a block that no such particle reaches has no cells, it is empty or full as a whole. A node is a cell or an
+   empty block. --- */
 typedef uint64_t GasMask; /* a bit for each cell of a block */
 typedef struct {
-  GasMask       *mask;   /* [near] the cells of the set */
+  GasMask       *mask;   /* [all], near of them used: the cells of the set */
   unsigned char *beside; /* [all] whether a block or one beside it has cells of the set */
 } GasSet;
 typedef struct {
-  PetscInt   n[DIM], blocks[DIM];   /* cells and blocks a direction */
-  PetscInt   shift[DIM];            /* a block has 2^shift cells a direction */
-  PetscReal  lower[DIM], size[DIM]; /* m */
-  PetscReal  many[DIM];             /* 1/size */
-  PetscReal  single[DIM][2];        /* what reaches none of these planes has no image, m */
-  PetscReal  volume;                /* of a cell, m^dim, of the cross section of rings */
-  PetscReal *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
-  PetscInt   per, near, all;        /* cells of a block, blocks with cells, blocks */
-  PetscInt   capacity;              /* nodes */
-  PetscInt  *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
-  PetscInt  *home;                  /* [near] the block with this number */
-  GasSet     close, seen, held;     /* cells that are not full for sure; with an owner; with a pocket as owner */
-  Shared     core;                  /* [all][per] of solids: CORE_... */
-  PetscReal *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
-  PetscReal *solid;                 /* [near][per] the part of walls and solids, if it is known */
-  PetscBool  solid_known;
-  PetscInt  *label; /* [nodes] */
-  PetscInt  *owner; /* [near][per] the region around, a few cells into the liquid, too */
+  PetscInt       n[DIM], blocks[DIM];   /* cells and blocks a direction */
+  PetscInt       shift[DIM];            /* a block has 2^shift cells a direction */
+  PetscReal      lower[DIM], size[DIM]; /* m */
+  PetscReal      many[DIM];             /* 1/size */
+  PetscReal      single[DIM][2];        /* what reaches none of these planes has no image, m */
+  PetscReal      volume;                /* of a cell, m^dim, of the cross section of rings */
+  PetscReal     *column;                /* [n[0]] the volumes of cells, of rings the whole (m3) */
+  PetscInt       per, near, all;        /* cells of a block, blocks with cells, blocks */
+  PetscInt       capacity;              /* nodes */
+  Shared         of_blocks, of_nodes;   /* the arrays of blocks, and of nodes */
+  PetscInt      *block;                 /* [all] number of a block with cells; BLOCK_EMPTY, BLOCK_FULL */
+  PetscInt      *home;                  /* [all], near of them used: the block with this number */
+  GasSet         close, seen, held;     /* cells that are not full for sure; with an owner; with a pocket as owner */
+  GasSet         wet;                   /* cells near what is inside; beside: of the blocks that are filled */
+  unsigned char *touch;                 /* [all] TOUCH_... */
+  unsigned char *core;                  /* [all][per] of solids: CORE_... */
+  PetscInt64    *sum;                   /* [near][per] while parts are added: SharedAdd */
+  PetscReal     *filled;                /* [near][per] sum V W over its value in full liquid, 1 */
+  PetscReal     *solid;                 /* [near][per] the part of walls and solids, if it is known */
+  PetscBool      solid_known;
+  PetscInt      *label; /* [nodes] */
+  PetscInt      *owner; /* [near][per] the region around, a few cells into the liquid, too */
 } GasCells;
 
 #define BLOCK_EMPTY (-1)
@@ -75,8 +79,8 @@ typedef void (*GasVisitor)(const GasCells *cells, const GasNear *near, void *con
 void GasCellsNear(const GasCells *cells, Cloud cloud, const GasSet *set, PetscInt a, PetscBool slopes, GasVisitor visit,
                   void *context);
 
-/* GasSetBeside - finds the blocks beside the cells of a set, after its masks have changed. Not collective. */
-void GasSetBeside(const GasCells *cells, GasSet *set);
+/* GasSetBeside - finds the blocks beside the cells of a set, after its masks have changed. Collective. */
+PetscErrorCode GasSetBeside(const GasCells *cells, GasSet *set);
 
 /* The force of a pocket of unit pressure on a dummy particle of a wall or solid, m^(dim - 1): the sum over the pocket's
    cells of 6 s (1 - f) V grad W, f how far a cell is filled, s how far by walls and solids. On a dry wall, s = f, it is

@@ -13,43 +13,27 @@
 #define SKIN     0.1 /* spacings that what is beside pockets moves before cells are filled anew */
 #define REACH    3   /* cells around a region in which what is not filled is the region's */
 
-/* A region while regions are found. */
+/* The regions while they are found: how many cells they have, and whether they are open air; or, in the end, their
+   labels, GAS_AIR, GAS_VOID, or the number of a pocket. */
 typedef struct {
-  PetscInt cells;
-  PetscInt first, nodes; /* its nodes in the queue of Connect */
-  PetscInt label;        /* GAS_AIR, GAS_VOID, or the number of a pocket */
-} Region;
-
-typedef struct {
-  Region  *region; /* [nodes] */
-  PetscInt count;
+  PetscInt  count;
+  PetscInt *cells, *label; /* [count] */
 } Regions;
 
-typedef void (*NodeVisitor)(PetscInt node, void *context);
-
-/* What a walk over the cells needs. */
-typedef struct {
-  GasCells *cells;
-  PetscInt *queue, tail, region;
-  PetscBool open; /* the region reaches an open face */
-} Walk;
+typedef void (*NodeVisitor)(const GasCells *cells, PetscInt node, void *context);
 
 static PetscBool IsEmpty(const GasCells *cells, PetscInt node)
 {
   return (PetscBool)(node >= cells->near * cells->per || cells->filled[node] < FILLED);
 }
 
-/* Takes cell (at[0], at[1], at[2]), which may be beyond a face in direction d, to its node; negative: there is none.
- *open: it is beyond an open face. */
-static PetscInt Beyond(const GasCells *cells, Domain domain, PetscInt d, const PetscInt at[DIM], PetscBool *open)
+/* The node of a cell, which may be beyond a face in direction d; negative: there is none. */
+static PetscInt Beyond(const GasCells *cells, Domain domain, PetscInt d, const PetscInt at[DIM])
 {
   PetscInt place[DIM] = {at[0], at[1], at[2]};
 
   if (place[d] < 0 || place[d] >= cells->n[d]) {
-    const FaceType face = domain->face[d][place[d] < 0 ? 0 : 1];
-
-    if (face == FACE_OPEN) *open = PETSC_TRUE;
-    if (face != FACE_PERIODIC) return -1;
+    if (domain->face[d][0] != FACE_PERIODIC) return -1;
     place[d] = (place[d] + cells->n[d]) % cells->n[d];
   }
   return GasCellsNode(cells, place[0], place[1], place[2]);
@@ -68,9 +52,8 @@ static PetscBool NodeRange(const GasCells *cells, PetscInt node, PetscInt first[
                           : cells->block[node - cells->near * cells->per] == BLOCK_EMPTY);
 }
 
-/* Visits the nodes beside a node; *open becomes true if it is at an open face. Returns how many cells the node has. */
-static PetscInt ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open, NodeVisitor visit,
-                              void *context)
+/* Visits the nodes beside a node. */
+static void ForNeighbours(const GasCells *cells, Domain domain, PetscInt node, NodeVisitor visit, void *context)
 {
   const PetscInt count = cells->near * cells->per;
   PetscInt       lower[DIM], upper[DIM];
@@ -82,122 +65,164 @@ static PetscInt ForNeighbours(const GasCells *cells, Domain domain, PetscInt nod
       PetscInt       at[DIM] = {lower[0], lower[1], lower[2]}, next;
 
       at[d] = side ? to + 1 : from - 1;
-      next  = Beyond(cells, domain, d, at, open);
-      if (next >= 0) visit(next, context);
+      next  = Beyond(cells, domain, d, at);
+      if (next >= 0) visit(cells, next, context);
       if (node < count || next < 0 || next >= count) continue; /* the whole side of the node is beside this */
       lower[d] = upper[d] = at[d];
-      while (CellNext(lower, upper, at)) visit(Beyond(cells, domain, d, at, open), context);
+      while (CellNext(lower, upper, at)) visit(cells, Beyond(cells, domain, d, at), context);
       lower[d] = from;
       upper[d] = to;
     }
-  return (upper[0] - lower[0] + 1) * (upper[1] - lower[1] + 1) * (upper[2] - lower[2] + 1);
 }
 
-static void Join(PetscInt node, void *context)
+/* Makes the node one piece with that of the context, which comes later. */
+static void Join(const GasCells *cells, PetscInt node, void *context)
 {
-  Walk *walk = (Walk *)context;
+  const PetscInt of = *(const PetscInt *)context;
 
-  if (walk->cells->label[node] != GAS_LIQUID || !IsEmpty(walk->cells, node)) return;
-  walk->cells->label[node]  = walk->region;
-  walk->queue[walk->tail++] = node;
+  if (node < of && cells->label[node] >= 0) PieceJoin(cells->label, node, of);
 }
 
-/* Labels the nodes with the numbers of their regions, and says which regions are open air. queue: [nodes], and on
-   return all labelled nodes; returns how many. */
-static PetscInt Connect(GasCells *cells, Domain domain, Regions *regions, PetscInt queue[])
+/* How many cells a node of a region has; *open: whether it is at an open face of the box. */
+static PetscInt NodeCells(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open)
+{
+  PetscInt first[DIM], last[DIM];
+
+  NodeRange(cells, node, first, last);
+  *open = PETSC_FALSE;
+  for (PetscInt d = 0; d < domain->dim; d++)
+    if ((first[d] == 0 && domain->face[d][0] == FACE_OPEN) ||
+        (last[d] == cells->n[d] - 1 && domain->face[d][1] == FACE_OPEN))
+      *open = PETSC_TRUE;
+  return (last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1);
+}
+
+/* Labels the nodes with the numbers of their regions, and finds which regions are open air. */
+static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions)
 {
   const PetscInt nodes = cells->near * cells->per + cells->all;
-  Walk           walk  = {.cells = cells, .queue = queue};
-  PetscInt       head  = 0, first[DIM], last[DIM];
-
-  for (PetscInt c = 0; c < nodes; c++) cells->label[c] = GAS_LIQUID;
-  for (PetscInt seed = 0; seed < nodes; seed++) {
-    if (cells->label[seed] != GAS_LIQUID || !IsEmpty(cells, seed) || !NodeRange(cells, seed, first, last)) continue;
-    walk.region                           = regions->count;
-    walk.open                             = PETSC_FALSE;
-    regions->region[regions->count].cells = 0;
-    regions->region[regions->count].first = walk.tail;
-    Join(seed, &walk);
-    for (; head < walk.tail; head++)
-      regions->region[regions->count].cells += ForNeighbours(cells, domain, queue[head], &walk.open, Join, &walk);
-    regions->region[regions->count].nodes   = walk.tail - regions->region[regions->count].first;
-    regions->region[regions->count++].label = walk.open ? GAS_AIR : GAS_VOID;
-  }
-  return walk.tail;
-}
-
-/* Puts the nodes of the largest regions first: a cell that is as near to two of them is the larger one's, wherever the
-   axes point. With the smaller one's a film of two spacings around gas burst (tests/verify/gas_odd.py). */
-static PetscErrorCode LargestFirst(const Regions *regions, PetscInt queue[], PetscInt labelled)
-{
-  PetscInt *cells, *order, *nodes, n = 0;
+  PetscInt       first, end, lower[DIM], upper[DIM];
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(regions->count, &cells, regions->count, &order, labelled, &nodes));
-  for (PetscInt r = 0; r < regions->count; r++) {
-    order[r] = r;
-    cells[r] = -regions->region[r].cells;
-  }
-  PetscCall(PetscSortIntWithArray(regions->count, cells, order));
-  PetscCall(PetscArraycpy(nodes, queue, labelled));
-  for (PetscInt r = 0; r < regions->count; r++) {
-    const Region *region = &regions->region[order[r]];
+  SharedSlice(&cells->of_nodes, nodes, &first, &end);
+  for (PetscInt c = first; c < end; c++)
+    cells->label[c] = IsEmpty(cells, c) && NodeRange(cells, c, lower, upper) ? c : GAS_LIQUID;
+  PetscCall(SharedFence(&cells->of_nodes));
+  for (PetscInt c = first; c < end; c++)
+    if (cells->label[c] >= 0) ForNeighbours(cells, domain, c, Join, &c);
+  PetscCall(PiecesNumber(&cells->of_nodes, nodes, cells->label, &regions->count));
+  PetscCall(PetscCalloc1(2 * regions->count, &regions->cells));
+  regions->label = regions->cells + regions->count;
+  SharedPart(&cells->of_nodes, nodes, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
+    PetscBool open;
 
-    PetscCall(PetscArraycpy(queue + n, nodes + region->first, region->nodes));
-    n += region->nodes;
+    if (cells->label[c] < 0) continue;
+    regions->cells[cells->label[c]] += NodeCells(cells, domain, c, &open);
+    regions->label[cells->label[c]] |= open;
   }
-  PetscCall(PetscFree3(cells, order, nodes));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, regions->cells, (PetscMPIInt)(2 * regions->count), MPIU_INT, MPI_SUM, domain->comm));
+  for (PetscInt r = 0; r < regions->count; r++) regions->label[r] = regions->label[r] ? GAS_AIR : GAS_VOID;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Own(PetscInt node, void *context)
-{
-  Walk *walk = (Walk *)context;
+/* The region, of those beside a cell, that takes it. */
+typedef struct {
+  const Regions *regions;
+  PetscInt       best; /* GAS_LIQUID: none */
+} Taker;
 
-  if (node >= walk->cells->near * walk->cells->per || walk->cells->owner[node] != GAS_LIQUID) return;
-  walk->cells->owner[node]  = walk->region;
-  walk->queue[walk->tail++] = node;
+/* A cell that is as near to two regions is the larger one's, wherever the axes point. With the smaller one's a film of
+   two spacings around gas burst (tests/verify/gas_odd.py). */
+static void Take(const GasCells *cells, PetscInt node, void *context)
+{
+  Taker         *taker = (Taker *)context;
+  const PetscInt owner =
+    node < cells->near * cells->per ? __atomic_load_n(&cells->owner[node], __ATOMIC_RELAXED) : GAS_LIQUID;
+
+  if (owner < 0 || owner == taker->best) return;
+  if (taker->best < 0 || taker->regions->cells[owner] > taker->regions->cells[taker->best] ||
+      (taker->regions->cells[owner] == taker->regions->cells[taker->best] && owner < taker->best))
+    taker->best = owner;
 }
 
+#define TAKEN(region) (GAS_LIQUID - 1 - (region)) /* in this layer: what is beside does not see it yet */
+
 /* Gives the cells within REACH of a region to it. */
-static void Spread(GasCells *cells, Domain domain, PetscInt queue[], PetscInt labelled)
+static PetscErrorCode Spread(GasCells *cells, Domain domain, const Regions *regions)
 {
-  const PetscInt count = cells->near * cells->per;
-  Walk           walk  = {.cells = cells, .queue = queue, .tail = labelled};
+  PetscInt first, end;
 
-  for (PetscInt c = 0; c < count; c++) cells->owner[c] = cells->label[c];
-  for (PetscInt layer = 0, from = 0; layer < REACH; layer++) {
-    const PetscInt end = walk.tail;
+  PetscFunctionBegin;
+  SharedSlice(&cells->of_nodes, cells->near * cells->per, &first, &end);
+  for (PetscInt c = first; c < end; c++) cells->owner[c] = cells->label[c];
+  for (PetscInt layer = 0; layer < REACH; layer++) {
+    PetscCall(SharedFence(&cells->of_nodes));
+    for (PetscInt c = first; c < end; c++) {
+      Taker taker = {regions, GAS_LIQUID};
 
-    for (; from < end; from++) {
-      if (queue[from] >= count) continue;
-      walk.region = cells->owner[queue[from]];
-      ForNeighbours(cells, domain, queue[from], &walk.open, Own, &walk);
+      if (cells->owner[c] != GAS_LIQUID) continue;
+      ForNeighbours(cells, domain, c, Take, &taker);
+      if (taker.best >= 0) __atomic_store_n(&cells->owner[c], TAKEN(taker.best), __ATOMIC_RELAXED);
+    }
+    PetscCall(SharedFence(&cells->of_nodes));
+    for (PetscInt c = first; c < end; c++)
+      if (cells->owner[c] < GAS_LIQUID) cells->owner[c] = TAKEN(cells->owner[c]);
+  }
+  PetscCall(SharedFence(&cells->of_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the cells with an owner, and those with a pocket. */
+static PetscErrorCode SetOwned(GasCells *cells)
+{
+  PetscInt first, end;
+
+  PetscFunctionBegin;
+  SharedSlice(&cells->of_blocks, cells->near, &first, &end);
+  for (PetscInt b = first; b < end; b++) {
+    cells->seen.mask[b] = cells->held.mask[b] = 0;
+    for (PetscInt c = 0; c < cells->per; c++) {
+      const GasMask  bit   = cells->close.mask[b] & (GasMask)1 << c;
+      const PetscInt owner = cells->owner[b * cells->per + c];
+
+      if (owner >= GAS_AIR) cells->seen.mask[b] |= bit;
+      if (owner > GAS_AIR) cells->held.mask[b] |= bit;
     }
   }
-  for (PetscInt b = 0; b < cells->near; b++) cells->seen.mask[b] = cells->held.mask[b] = 0;
-  for (PetscInt c = 0; c < count; c++) {
-    const PetscInt block = c / cells->per;
-    const GasMask  bit   = cells->close.mask[block] & (GasMask)1 << (c % cells->per);
+  PetscCall(GasSetBeside(cells, &cells->seen));
+  PetscCall(GasSetBeside(cells, &cells->held));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    if (cells->owner[c] >= GAS_AIR) cells->seen.mask[block] |= bit;
-    if (cells->owner[c] > GAS_AIR) cells->held.mask[block] |= bit;
+/* Labels and owners become those of the regions. */
+static PetscErrorCode Rename(GasCells *cells, const Regions *regions, PetscBool owned)
+{
+  PetscInt first, end;
+
+  PetscFunctionBegin;
+  SharedSlice(&cells->of_nodes, cells->near * cells->per + cells->all, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
+    if (cells->label[c] >= 0) cells->label[c] = regions->label[cells->label[c]];
+    if (owned && c < cells->near * cells->per && cells->owner[c] >= 0)
+      cells->owner[c] = regions->label[cells->owner[c]];
   }
-  GasSetBeside(cells, &cells->seen);
-  GasSetBeside(cells, &cells->held);
+  PetscCall(SharedFence(&cells->of_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The volumes of the pockets and their centres. */
-static void Measure(Pockets *pockets, Domain domain)
+static PetscErrorCode Measure(Pockets *pockets, Domain domain)
 {
   const GasCells *cells = pockets->cells;
   const PetscInt  count = cells->near * cells->per;
+  PetscInt        from, end;
+  PetscReal       sum[GAS_MOST + 1][1 + DIM] = {{0}};
 
-  for (PetscInt k = 1; k <= pockets->count; k++) {
-    pockets->pocket[k].volume = 0;
-    PetscArrayzero(pockets->pocket[k].center, DIM);
-  }
-  for (PetscInt node = 0; node < count + cells->all; node++) {
+  PetscFunctionBegin;
+  SharedPart(&cells->of_nodes, count + cells->all, &from, &end);
+  for (PetscInt node = from; node < end; node++) {
     const PetscInt owner = node < count ? cells->owner[node] : cells->label[node];
     PetscInt       at[DIM], first[DIM], last[DIM];
 
@@ -206,14 +231,19 @@ static void Measure(Pockets *pockets, Domain domain)
     do {
       const PetscReal V = (node < count ? 1 - cells->filled[node] : 1) * cells->column[at[0]];
 
-      pockets->pocket[owner].volume += V;
+      sum[owner][0] += V;
       for (PetscInt d = 0; d < domain->dim; d++)
-        pockets->pocket[owner].center[d] += V * (cells->lower[d] + (at[d] + 0.5) * cells->size[d]);
+        sum[owner][1 + d] += V * (cells->lower[d] + (at[d] + 0.5) * cells->size[d]);
     } while (CellNext(first, last, at));
   }
-  for (PetscInt k = 1; k <= pockets->count; k++)
-    for (PetscInt d = 0; d < DIM && pockets->pocket[k].volume > 0; d++)
-      pockets->pocket[k].center[d] /= pockets->pocket[k].volume;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)((1 + DIM) * (pockets->count + 1)), MPIU_REAL, MPIU_SUM,
+                             domain->comm));
+  for (PetscInt k = 1; k <= pockets->count; k++) {
+    pockets->pocket[k].volume = sum[k][0];
+    for (PetscInt d = 0; d < DIM; d++)
+      pockets->pocket[k].center[d] = sum[k][0] > 0 ? sum[k][1 + d] / sum[k][0] : sum[k][1 + d];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* How many cells of pocket b before, from 1 on, are now in region r, [b (count + 1) + r]; b = 0: of the open air
@@ -221,11 +251,13 @@ static void Measure(Pockets *pockets, Domain domain)
 static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt **common)
 {
   const GasCells *now = gas->now.cells, *before = gas->before.cells;
-  const PetscInt  width = regions->count + 1, nodes = before->near * before->per + before->all;
+  const PetscInt  width = regions->count + 1;
+  PetscInt        from, end;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1((gas->before.count + 1) * width, common));
-  for (PetscInt node = 0; node < nodes; node++) {
+  SharedPart(&before->of_nodes, before->near * before->per + before->all, &from, &end);
+  for (PetscInt node = from; node < end; node++) {
     const PetscInt b = before->label[node];
     PetscInt       at[DIM], first[DIM], last[DIM];
 
@@ -237,6 +269,8 @@ static PetscErrorCode Overlap(const Gas *gas, const Regions *regions, PetscInt *
       if (region >= 0) (*common)[b * width + region]++;
     } while (CellNext(first, last, at));
   }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, *common, (PetscMPIInt)((gas->before.count + 1) * width), MPIU_INT, MPI_SUM,
+                             gas->cloud->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -276,7 +310,7 @@ static PetscErrorCode FindSmallestResumed(const Gas *gas, const Regions *regions
 
   PetscFunctionBegin;
   for (PetscInt r = 0; r < regions->count; r++)
-    if (regions->region[r].label != GAS_AIR) sorted[n++] = regions->region[r].cells;
+    if (regions->label[r] != GAS_AIR) sorted[n++] = regions->cells[r];
   PetscCall(PetscSortInt(n, sorted));
   if (n) *smallest = PetscMin(*smallest, sorted[PetscMax(0, n - gas->resumed)]);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -304,12 +338,10 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
   }
   if (gas->resumed) PetscCall(FindSmallestResumed(gas, regions, sorted, &smallest));
   for (PetscInt r = 0; r < regions->count; r++) {
-    const Region *region = &regions->region[r];
-
-    if (region->label == GAS_AIR || (!size[r] && region->cells < smallest))
+    if (regions->label[r] == GAS_AIR || (!size[r] && regions->cells[r] < smallest))
       size[r] = 0;
     else
-      sorted[n++] = size[r] += region->cells;
+      sorted[n++] = size[r] += regions->cells[r];
   }
   PetscCall(PetscSortInt(n, sorted));
   gas->crowded = (PetscBool)(n > GAS_MOST);
@@ -317,10 +349,8 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
   for (PetscInt k = PetscMax(0, n - GAS_MOST); k < n; k++) spare += sorted[k] == least;
   gas->now.count = 0;
   for (PetscInt r = 0; r < regions->count; r++) {
-    Region *region = &regions->region[r];
-
-    if (size[r] > least || (size[r] == least && spare-- > 0)) region->label = ++gas->now.count;
-    for (PetscInt b = 0; b <= gas->before.count && common && region->label >= GAS_AIR; b++)
+    if (size[r] > least || (size[r] == least && spare-- > 0)) regions->label[r] = ++gas->now.count;
+    for (PetscInt b = 0; b <= gas->before.count && common && regions->label[r] >= GAS_AIR; b++)
       common[b * width + width - 1] += common[b * width + r];
   }
   PetscCall(PetscFree(size));
@@ -332,7 +362,7 @@ static PetscErrorCode Select(Gas *gas, Regions *regions, PetscInt common[])
 static PetscBool SomeClosed(const Regions *regions)
 {
   for (PetscInt r = 0; r < regions->count; r++)
-    if (regions->region[r].label != GAS_AIR && regions->region[r].cells >= SMALLEST) return PETSC_TRUE;
+    if (regions->label[r] != GAS_AIR && regions->cells[r] >= SMALLEST) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -350,7 +380,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
   if (gas->before.count || (gas->before_known && SomeClosed(regions))) PetscCall(Overlap(gas, regions, &common));
   PetscCall(Select(gas, regions, common));
   for (PetscInt r = 0; r < regions->count; r++) {
-    const PetscInt label   = regions->region[r].label;
+    const PetscInt label   = regions->label[r];
     Pocket         pocket  = {0};
     PetscReal      was_air = 1;
     PetscInt       sources = 0;
@@ -370,8 +400,8 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
 
     if (PocketIsVoid(&gas->before.pocket[b])) continue;
     for (PetscInt r = 0; r < regions->count; r++) {
-      into += regions->region[r].label > 0 && common[b * width + r] > 0;
-      vented += regions->region[r].label == GAS_AIR ? common[b * width + r] : 0;
+      into += regions->label[r] > 0 && common[b * width + r] > 0;
+      vented += regions->label[r] == GAS_AIR ? common[b * width + r] : 0;
     }
     if (all)
       gas->vented += amount * vented / all;
@@ -413,23 +443,31 @@ static PetscErrorCode Start(const Gas *gas, PetscReal pressure[])
 {
   const GasCells *cells  = gas->now.cells;
   const Domain    domain = gas->cloud->domain;
+  PetscReal       least[GAS_MOST + 1]; /* negative: MPI takes the largest of both */
+  PetscInt        first, end;
 
   PetscFunctionBegin;
-  for (PetscInt k = 1; k <= gas->now.count; k++) pressure[k] = 0;
-  for (PetscInt node = 0; node < cells->near * cells->per + cells->all; node++) {
-    PetscInt  at[DIM], last[DIM];
-    PetscReal x[DIM] = {0, 0, 0}, own;
+  for (PetscInt k = 1; k <= gas->now.count; k++) pressure[k] = 0, least[k] = -PETSC_MAX_REAL;
+  SharedPart(&cells->of_nodes, cells->near * cells->per + cells->all, &first, &end);
+  for (PetscInt node = first; node < end; node++) {
+    const PetscInt label = cells->label[node];
+    PetscInt       at[DIM], last[DIM];
+    PetscReal      x[DIM] = {0, 0, 0}, own;
 
-    if (cells->label[node] <= 0 || !NodeRange(cells, node, at, last)) continue;
+    if (label <= 0 || !NodeRange(cells, node, at, last)) continue;
     for (PetscInt d = 0; d < domain->dim; d++) x[d] = cells->lower[d] + (at[d] + 0.5) * cells->size[d];
-    own = GasHolePressure(gas->cloud->scene, x);
-    PetscCheckUser(own == 0 || pressure[cells->label[node]] == 0 || own == pressure[cells->label[node]],
-                   gas->cloud->comm, "holes of the pressures %g and %g Pa are one pocket of gas: they touch",
-                   (double)own, (double)pressure[cells->label[node]]);
-    pressure[cells->label[node]] = PetscMax(own, pressure[cells->label[node]]);
+    own             = GasHolePressure(gas->cloud->scene, x);
+    pressure[label] = PetscMax(pressure[label], own);
+    if (own > 0) least[label] = PetscMax(least[label], -own);
   }
-  for (PetscInt k = 1; k <= gas->now.count; k++)
+  for (PetscReal **of = (PetscReal *[]){pressure, least, NULL}; *of; of++)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, *of + 1, (PetscMPIInt)gas->now.count, MPIU_REAL, MPIU_MAX, domain->comm));
+  for (PetscInt k = 1; k <= gas->now.count; k++) {
+    PetscCheckUser(pressure[k] == 0 || pressure[k] == -least[k], domain->comm,
+                   "holes of the pressures %g and %g Pa are one pocket of gas: they touch", (double)-least[k],
+                   (double)pressure[k]);
     if (pressure[k] == 0) pressure[k] = gas->start;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -446,21 +484,6 @@ static PetscErrorCode Brought(Gas *gas, PetscReal *brought)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Fills the cells and labels their regions. queue: of Connect; returns 'labelled' nodes in it. */
-static PetscErrorCode Look(Gas *gas, PetscBool exact, Regions *regions, PetscInt **queue, PetscInt *labelled)
-{
-  GasCells *cells = gas->now.cells;
-  PetscInt  nodes;
-
-  PetscFunctionBegin;
-  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move, exact));
-  nodes          = cells->near * cells->per + cells->all;
-  regions->count = 0;
-  PetscCall(PetscMalloc2(nodes, queue, nodes, &regions->region));
-  *labelled = Connect(cells, gas->cloud->domain, regions, *queue);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The pressure (Pa, over that of the open air) of an amount of gas in a volume. */
 static PetscReal Compressed(const Gas *gas, PetscReal amount, PetscReal volume)
 {
@@ -469,11 +492,10 @@ static PetscReal Compressed(const Gas *gas, PetscReal amount, PetscReal volume)
 
 PetscErrorCode GasFind(Gas *gas, PetscBool exact)
 {
-  GasCells *cells   = &gas->cells[gas->before.cells == &gas->cells[0]];
-  Domain    domain  = gas->cloud->domain;
-  Regions   regions = {NULL, 0};
+  GasCells *cells  = &gas->cells[gas->before.cells == &gas->cells[0]];
+  Domain    domain = gas->cloud->domain;
+  Regions   regions;
   PetscReal air[GAS_MOST + 1], start[GAS_MOST + 1], was[GAS_MOST + 1] = {0}, brought = 0;
-  PetscInt *queue, labelled;
 
   PetscFunctionBegin;
   gas->ended     = 0;
@@ -481,21 +503,21 @@ PetscErrorCode GasFind(Gas *gas, PetscBool exact)
   gas->now.cells = cells;
   gas->now.moved = 0;
   exact          = (PetscBool)(exact || !gas->before_known || gas->before.count || !gas->open);
-  PetscCall(Look(gas, exact, &regions, &queue, &labelled));
+  PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move, exact));
+  PetscCall(Connect(cells, domain, &regions));
   if (!exact && SomeClosed(&regions)) {
-    PetscCall(PetscFree2(queue, regions.region));
-    PetscCall(Look(gas, PETSC_TRUE, &regions, &queue, &labelled));
+    PetscCall(PetscFree(regions.cells));
+    PetscCall(GasCellsFill(cells, gas->cloud, gas->pressure, gas->solids_move, PETSC_TRUE));
+    PetscCall(Connect(cells, domain, &regions));
   }
   PetscCall(Choose(gas, &regions, air));
-  for (PetscInt c = 0; c < cells->near * cells->per + cells->all; c++)
-    if (cells->label[c] >= 0) cells->label[c] = regions.region[cells->label[c]].label;
-  if (GasSeen(gas)) {
-    PetscCall(LargestFirst(&regions, queue, labelled));
-    Spread(cells, domain, queue, labelled);
-  }
+  if (GasSeen(gas)) PetscCall(Spread(cells, domain, &regions));
+  PetscCall(Rename(cells, &regions, GasSeen(gas)));
+  PetscCall(PetscFree(regions.cells));
+  if (GasSeen(gas)) PetscCall(SetOwned(cells));
   PetscCall(Brought(gas, &brought));
   for (PetscInt k = 1; k <= gas->now.count; k++) was[k] = gas->now.pocket[k].volume;
-  if (gas->now.count) Measure(&gas->now, domain);
+  if (gas->now.count) PetscCall(Measure(&gas->now, domain));
   for (PetscInt k = 1; k <= gas->now.count; k++) start[k] = gas->ambient;
   if (!gas->before_known) PetscCall(Start(gas, start));
   for (PetscInt k = 1; k <= gas->now.count; k++) {
@@ -517,7 +539,6 @@ PetscErrorCode GasFind(Gas *gas, PetscBool exact)
   }
   gas->found = PETSC_TRUE;
   gas->same  = PETSC_FALSE;
-  PetscCall(PetscFree2(queue, regions.region));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

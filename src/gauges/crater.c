@@ -102,65 +102,51 @@ static void ColumnCentre(const CraterGrid *grid, PetscInt column, PetscReal x[DI
   x[grid->component[1]] = grid->lower[1] + (across - 0.5) * grid->size;
 }
 
-/* The pool's surface below the open sky, [columns]. */
-typedef struct {
-  PetscReal *radius; /* m, distance of the column from the axis */
-  PetscReal *top;    /* m, height of the highest particle below the lowest open air; -PETSC_MAX_REAL: none */
-  PetscBool *inside; /* the crater radius */
-} SkyMap;
-
-static PetscErrorCode SkyMapCreate(Gauges gauges, const Crater *crater, CraterGrid *grid, PetscInt n,
-                                   const PoolParticle pool[], SkyMap *map)
+/* Finds the pool's surface below the open sky in each column: 'radius', its distance from the axis, 'top', the height
+   of the highest particle below the lowest open air (-PETSC_MAX_REAL: none), and whether it is inside the crater
+   radius. */
+static PetscErrorCode FindSurface(Gauges gauges, const Crater *crater, CraterGrid *grid, PetscInt n,
+                                  const PoolParticle pool[])
 {
-  const PetscInt dim = gauges->cloud->domain->dim;
-  PetscInt      *lowest;
+  PetscInt first, end;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(grid->columns, &map->radius, grid->columns, &map->top, grid->columns, &map->inside));
-  PetscCall(PetscMalloc1(grid->columns, &lowest));
-  for (PetscInt c = 0; c < grid->columns; c++) {
+  SharedSlice(&grid->shared, grid->columns, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
     const PetscInt i = c % grid->n[0], j = c / grid->n[0];
     PetscReal      x[DIM] = {0, 0, 0}, r[2];
 
     ColumnCentre(grid, c, x);
     FromAxis(gauges, crater, x, r);
-    map->radius[c] = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]);
-    map->top[c]    = -PETSC_MAX_REAL;
-    map->inside[c] =
-      (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 && map->radius[c] <= crater->radius);
+    grid->radius[c] = PetscSqrtReal(r[0] * r[0] + r[1] * r[1]);
+    grid->top[c]    = -PETSC_MAX_REAL;
+    grid->inside[c] =
+      (PetscBool)(i > 0 && i < grid->n[0] - 1 && j > 0 && j < grid->n[1] - 1 && grid->radius[c] <= crater->radius);
   }
-  PetscCall(CraterGridSky(grid, dim, map->inside, lowest));
-  for (PetscInt a = 0; a < n; a++) {
+  PetscCall(SharedFence(&grid->shared));
+  PetscCall(CraterGridSky(grid, gauges->cloud->domain->dim));
+  for (PetscInt a = 0; a < n; a++)
     for (PetscInt j = pool[a].first[1]; j <= pool[a].last[1]; j++)
       for (PetscInt i = pool[a].first[0]; i <= pool[a].last[0]; i++) {
         const PetscInt c = j * grid->n[0] + i;
 
-        if (pool[a].layer < lowest[c]) map->top[c] = PetscMax(map->top[c], pool[a].height);
+        if (pool[a].layer < grid->lowest[c]) SharedMax(&grid->top[c], pool[a].height);
       }
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->top, (PetscMPIInt)grid->columns, MPIU_REAL, MPIU_MAX, gauges->comm));
-  PetscCall(PetscFree(lowest));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SkyMapDestroy(SkyMap *map)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree3(map->radius, map->top, map->inside));
+  PetscCall(SharedReduce(&grid->shared, grid->top, grid->columns, MPIU_REAL, MPIU_MAX));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Height (m) of the undisturbed free surface: the mean outside the impact. Without liquid there, the top of the pool's
    body. */
-static PetscReal MeasureLevel(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map)
+static PetscReal MeasureLevel(Gauges gauges, const Crater *crater, const CraterGrid *grid)
 {
   const PetscReal half = 0.5 * gauges->cloud->domain->spacing;
   PetscReal       sum  = 0, lower[DIM], upper[DIM];
   PetscInt        n    = 0;
 
   for (PetscInt c = 0; c < grid->columns; c++) {
-    if (!map->inside[c] || map->radius[c] < SKIRT * crater->jet_radius || map->top[c] == -PETSC_MAX_REAL) continue;
-    sum += map->top[c] + half;
+    if (!grid->inside[c] || grid->radius[c] < SKIRT * crater->jet_radius || grid->top[c] == -PETSC_MAX_REAL) continue;
+    sum += grid->top[c] + half;
     n++;
   }
   if (n) return sum / n;
@@ -169,16 +155,16 @@ static PetscReal MeasureLevel(Gauges gauges, const Crater *crater, const CraterG
 }
 
 /* The height z (m) of a column's surface. A dry column has the bottom of the pool's body. False: outside the pool. */
-static PetscBool ColumnSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map,
-                               PetscInt column, PetscReal *z)
+static PetscBool ColumnSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, PetscInt column,
+                               PetscReal *z)
 {
   const PetscReal half   = 0.5 * gauges->cloud->domain->spacing;
   const PetscInt  up     = gauges->cloud->domain->dim - 1;
   PetscReal       x[DIM] = {0, 0, 0}, lower[DIM], upper[DIM];
 
-  if (!map->inside[column]) return PETSC_FALSE;
-  *z = map->top[column] + half;
-  if (map->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
+  if (!grid->inside[column]) return PETSC_FALSE;
+  *z = grid->top[column] + half;
+  if (grid->top[column] > -PETSC_MAX_REAL) return PETSC_TRUE;
   ColumnCentre(grid, column, x);
   x[up] = gauges->level - half;
   GaugeBodyBounds(gauges, POOL, lower, upper);
@@ -188,8 +174,8 @@ static PetscBool ColumnSurface(Gauges gauges, const Crater *crater, const Crater
 
 /* Mean height (m) of the patch of two columns a side that begins with this column. False: not all columns lie in the
    pool. */
-static PetscBool PatchSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map,
-                              PetscInt column, PetscReal *mean)
+static PetscBool PatchSurface(Gauges gauges, const Crater *crater, const CraterGrid *grid, PetscInt column,
+                              PetscReal *mean)
 {
   const PetscInt columns = gauges->cloud->domain->dim == 2 ? 2 : 4;
 
@@ -198,13 +184,13 @@ static PetscBool PatchSurface(Gauges gauges, const Crater *crater, const CraterG
     const PetscInt c = column + k % 2 + (k / 2) * grid->n[0];
     PetscReal      z;
 
-    if (c >= grid->columns || !ColumnSurface(gauges, crater, grid, map, c, &z)) return PETSC_FALSE;
+    if (c >= grid->columns || !ColumnSurface(gauges, crater, grid, c, &z)) return PETSC_FALSE;
     *mean += z / columns;
   }
   return PETSC_TRUE;
 }
 
-static PetscReal CraterDepth(Gauges gauges, const Crater *crater, const CraterGrid *grid, const SkyMap *map)
+static PetscReal CraterDepth(Gauges gauges, const Crater *crater, const CraterGrid *grid)
 {
   const PetscInt most =
     PetscMax((gauges->cloud->domain->dim == 2 ? LOWEST_2D : LOWEST_3D) >> CraterMirrors(gauges, crater), 1);
@@ -215,7 +201,7 @@ static PetscReal CraterDepth(Gauges gauges, const Crater *crater, const CraterGr
     PetscReal mean;
     PetscInt  k;
 
-    if (!PatchSurface(gauges, crater, grid, map, c, &mean) || (n == most && mean >= lowest[n - 1])) continue;
+    if (!PatchSurface(gauges, crater, grid, c, &mean) || (n == most && mean >= lowest[n - 1])) continue;
     for (k = n; k > 0 && lowest[k - 1] > mean; k--) lowest[k] = lowest[k - 1];
     lowest[k] = mean;
     n         = PetscMin(n + 1, most);
@@ -360,18 +346,16 @@ static PetscErrorCode Measure_Crater(Gauges gauges, const void *data, PetscReal 
   CraterGrid     grid;
   PoolParticle  *pool;
   PetscInt       n = 0;
-  SkyMap         map;
 
   PetscFunctionBegin;
   PetscCall(ParticlesOpen(gauges->cloud->particles, &arrays));
   PetscCall(CraterGridCreate(gauges, POOL, &arrays, &grid));
   PetscCall(ListPool(gauges, crater, &arrays, &grid, &n, &pool));
   PetscCall(ParticlesClose(gauges->cloud->particles, &arrays));
-  PetscCall(SkyMapCreate(gauges, crater, &grid, n, pool, &map));
-  if (PetscIsInfOrNanReal(gauges->level)) gauges->level = MeasureLevel(gauges, crater, &grid, &map);
-  values[DEPTH] = CraterDepth(gauges, crater, &grid, &map);
+  PetscCall(FindSurface(gauges, crater, &grid, n, pool));
+  if (PetscIsInfOrNanReal(gauges->level)) gauges->level = MeasureLevel(gauges, crater, &grid);
+  values[DEPTH] = CraterDepth(gauges, crater, &grid);
   PetscCall(CraterDiameter(gauges, crater, n, pool, &values[DIAMETER]));
-  PetscCall(SkyMapDestroy(&map));
   PetscCall(PetscFree(pool));
   PetscCall(CraterGridDestroy(&grid));
   PetscCall(CrownAndJet(gauges, crater, values));

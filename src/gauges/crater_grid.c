@@ -5,7 +5,7 @@
 #define SKY_GAP    2         /* cells a side of a gap that the sky enters: holes between particles are narrower */
 #define MAX_CELLS  (1 << 25) /* bounds the memory: a scene with more gets larger cells */
 #define COARSENING 1.25      /* factor of one enlargement */
-#define ROWS       8         /* of cells that touch a row of cells along x, at edges too */
+#define ROWS       4         /* of cells that touch a row of cells along x, at edges too, and come before it */
 #define CELL_SIZE  1.25      /* spacings: a lattice of particles leaves no such cell empty */
 
 /* Bounds of the fluid of all ranks along the grid's axes, m: minus the lower bounds, then the upper bounds. */
@@ -58,61 +58,60 @@ static PetscErrorCode SetSizes(Gauges gauges, const ParticleArrays *arrays, Crat
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Visits the run of liquid along x that has cell c: queues its first cell behind 'end', and adds its cells with liquid
-   of the pool's body. Returns the cell behind the run. The rim is empty, so no run leaves its row. */
-static PetscInt Enter(CraterGrid *grid, PetscInt c, PetscInt *end, PetscInt *body)
+/* The first cell of the run of liquid along x that has the cell, and the cell behind it. The rim is empty, so no run
+   leaves its row. */
+static PetscInt RunFirst(const CraterGrid *grid, PetscInt cell)
 {
-  while (grid->cell[c - 1] & CELL_LIQUID) c--;
-  grid->queue[(*end)++] = c;
-  for (; grid->cell[c] & CELL_LIQUID; c++) {
-    grid->cell[c] |= CELL_VISITED;
-    *body += (grid->cell[c] & CELL_BODY) != 0;
-  }
-  return c;
+  while (grid->cell[cell - 1] & CELL_LIQUID) cell--;
+  return cell;
+}
+static PetscInt RunEnd(const CraterGrid *grid, PetscInt cell)
+{
+  while (grid->cell[cell] & CELL_LIQUID) cell++;
+  return cell;
 }
 
-/* Visits all liquid connected with the cell 'seed', at corners too: afterwards queue[start .. end) holds the first
-   cells of its runs. Returns 'end'. row: steps to the rows around one; body: number of the cells with liquid of the
-   pool's body. */
-static PetscInt Flood(CraterGrid *grid, const PetscInt row[ROWS], PetscInt seed, PetscInt start, PetscInt *body)
+/* Joins the run from 'first' on with those that it touches in the rows before its own, at corners too. row: steps to
+   these rows. */
+static void JoinRun(CraterGrid *grid, const PetscInt row[ROWS], PetscInt first)
 {
-  PetscInt end = start;
+  const PetscInt end = RunEnd(grid, first);
 
-  *body = 0;
-  (void)Enter(grid, seed, &end, body);
-  for (PetscInt head = start; head < end; head++) {
-    const PetscInt first = grid->queue[head];
-    PetscInt       last  = first;
-
-    while (grid->cell[last + 1] & CELL_LIQUID) last++;
-    for (PetscInt r = 0; r < ROWS; r++)
-      for (PetscInt c = first - 1 + row[r]; c <= last + 1 + row[r]; c++)
-        if ((grid->cell[c] & (CELL_LIQUID | CELL_VISITED)) == CELL_LIQUID) c = Enter(grid, c, &end, body);
-  }
-  return end;
+  for (PetscInt r = 0; r < ROWS; r++)
+    for (PetscInt c = first - 1 + row[r]; c <= end + row[r]; c++)
+      if (grid->cell[c] & CELL_LIQUID) {
+        PieceJoin(grid->piece, RunFirst(grid, c), first);
+        c = RunEnd(grid, c);
+      }
 }
 
-/* Marks CELL_POOL: the component with the most cells of the pool's body. */
-static void MarkPool(CraterGrid *grid)
+/* Marks CELL_POOL: the component with the most cells of the pool's body. The runs are the members of pieces, each at
+   its first cell. */
+static PetscErrorCode MarkPool(CraterGrid *grid)
 {
-  PetscInt row[ROWS], rows = 0, end = 0, best_start = 0, best_end = 0, best = 0;
+  PetscInt row[ROWS], first, end, pieces, best = 0, *body;
 
-  for (PetscInt c = 0; c < ROWS + 1; c++)
-    if (c != ROWS / 2) row[rows++] = CellIndex(grid->n, 0, c % 3 - 1, c / 3 - 1);
-  for (PetscInt seed = 0; seed < grid->count; seed++) {
-    const PetscInt start = end;
-    PetscInt       body;
-
-    if ((grid->cell[seed] & (CELL_BODY | CELL_VISITED)) != CELL_BODY) continue;
-    end = Flood(grid, row, seed, start, &body);
-    if (body > best) {
-      best       = body;
-      best_start = start;
-      best_end   = end;
-    }
-  }
-  for (PetscInt k = best_start; k < best_end; k++)
-    for (PetscInt c = grid->queue[k]; grid->cell[c] & CELL_LIQUID; c++) grid->cell[c] |= CELL_POOL;
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < ROWS; r++) row[r] = CellIndex(grid->n, 0, r % 3 - 1, r / 3 - 1);
+  SharedSlice(&grid->shared, grid->count, &first, &end);
+  for (PetscInt c = first; c < end; c++)
+    grid->piece[c] = grid->cell[c] & CELL_LIQUID && !(grid->cell[c - 1] & CELL_LIQUID) ? c : -1;
+  PetscCall(SharedFence(&grid->shared));
+  for (PetscInt c = first; c < end; c++)
+    if (grid->piece[c] >= 0) JoinRun(grid, row, c);
+  PetscCall(PiecesNumber(&grid->shared, grid->count, grid->piece, &pieces));
+  PetscCall(PetscCalloc1(pieces + 1, &body));
+  for (PetscInt c = first; c < end; c++)
+    for (PetscInt k = c; grid->piece[c] >= 0 && grid->cell[k] & CELL_LIQUID; k++)
+      body[grid->piece[c]] += (grid->cell[k] & CELL_BODY) != 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, body, (PetscMPIInt)pieces, MPIU_INT, MPI_SUM, grid->shared.machine));
+  for (PetscInt k = 0; k < pieces; k++)
+    if (body[k] > body[best]) best = k;
+  for (PetscInt c = first; c < end && body[best]; c++)
+    for (PetscInt k = c; grid->piece[c] == best && grid->cell[k] & CELL_LIQUID; k++) grid->cell[k] |= CELL_POOL;
+  PetscCall(PetscFree(body));
+  PetscCall(SharedFence(&grid->shared));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid)
@@ -121,25 +120,31 @@ PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArra
 
   PetscFunctionBegin;
   PetscCall(SetSizes(gauges, arrays, grid));
-  PetscCall(SharedCreate(gauges->comm, (size_t)grid->count, &grid->shared));
-  grid->cell = (unsigned char *)grid->shared.data;
-  PetscCall(PetscMalloc1(grid->shared.leads ? grid->count : 0, &grid->queue));
+  {
+    const PetscInt    columns  = grid->columns;
+    const SharedArray shared[] = {{&grid->cell, grid->count, 1},
+                                  {&grid->piece, grid->count + 1, sizeof(PetscInt)},
+                                  {&grid->lowest, columns, sizeof(PetscInt)},
+                                  {&grid->radius, columns, sizeof(PetscReal)},
+                                  {&grid->top, columns, sizeof(PetscReal)},
+                                  {&grid->inside, columns, sizeof(PetscBool)}};
+
+    PetscCall(SharedCreate(gauges->comm, PETSC_STATIC_ARRAY_LENGTH(shared), shared, &grid->shared));
+  }
   for (PetscInt a = 0; a < arrays->n; a++) {
-    PetscInt first[DIM], last[DIM], at[DIM];
+    const unsigned char kind = arrays->integer[INT_BODY][a] == pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID;
+    PetscInt            first[DIM], last[DIM], at[DIM];
 
     if (arrays->integer[INT_LAYER][a]) continue;
     if (!CraterGridReach(grid, arrays->real[FIELD_POSITION] + DIM * a, ParticleSize(domain, arrays, a), domain->spacing,
                          first, last))
       continue;
     for (PetscInt d = 0; d < DIM; d++) at[d] = first[d];
-    do
-      SharedOr(&grid->cell[CellIndex(grid->n, at[0], at[1], at[2])],
-               arrays->integer[INT_BODY][a] == pool ? CELL_LIQUID | CELL_BODY : CELL_LIQUID);
+    do SharedOr(&grid->cell[CellIndex(grid->n, at[0], at[1], at[2])], kind);
     while (CellNext(first, last, at));
   }
   PetscCall(SharedReduce(&grid->shared, grid->cell, grid->count, MPI_UNSIGNED_CHAR, MPI_BOR));
-  if (grid->shared.leads) MarkPool(grid);
-  PetscCall(SharedFence(&grid->shared));
+  PetscCall(MarkPool(grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -147,72 +152,52 @@ PetscErrorCode CraterGridDestroy(CraterGrid *grid)
 {
   PetscFunctionBegin;
   PetscCall(SharedDestroy(&grid->shared));
-  PetscCall(PetscFree(grid->queue));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A block of SKY_GAP cells a side; its first cell identifies it. */
-typedef struct {
-  PetscInt cells, offset[SKY_GAP * SKY_GAP * SKY_GAP];
-} Block;
-
-static void BlockSet(const CraterGrid *grid, PetscInt dim, Block *block)
+/* Whether the block of SKY_GAP cells a side from this cell on has room for the sky: inside the columns, above the
+   bottom rim, and without liquid of the pool. */
+static PetscBool IsRoom(const CraterGrid *grid, PetscInt dim, PetscInt cell)
 {
-  block->cells = 0;
   for (PetscInt k = 0; k < SKY_GAP; k++)
     for (PetscInt j = 0; j < (dim == 2 ? 1 : SKY_GAP); j++)
-      for (PetscInt i = 0; i < SKY_GAP; i++) block->offset[block->cells++] = CellIndex(grid->n, i, j, k);
-}
+      for (PetscInt i = 0; i < SKY_GAP; i++) {
+        const PetscInt c = cell + CellIndex(grid->n, i, j, k);
 
-/* Whether the sky may enter block c: the block is inside the columns, above the bottom rim, and without liquid of the
-   pool. True at most once for a block. */
-static PetscBool BlockEnter(CraterGrid *grid, const Block *block, const PetscBool inside[], PetscInt c)
-{
-  PetscInt column;
-
-  if (c < grid->columns || grid->cell[c] & CELL_TESTED) return PETSC_FALSE;
-  grid->cell[c] |= CELL_TESTED;
-  column = c % grid->columns;
-  for (PetscInt b = 0; b < block->cells; b++) {
-    const PetscInt in_layer = block->offset[b] % grid->columns;
-
-    if (!inside[column + in_layer] || grid->cell[c + block->offset[b]] & CELL_POOL) return PETSC_FALSE;
-  }
+        if (!grid->inside[c % grid->columns] || grid->cell[c] & CELL_POOL) return PETSC_FALSE;
+      }
   return PETSC_TRUE;
 }
 
-/* CraterGridSky on the rank that leads. */
-static void FindSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
+/* The blocks are the members of pieces, each at its first cell; that of the sky has the place behind the cells. */
+PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim)
 {
-  const PetscInt step[2 * DIM] = {-1, 1, -grid->n[0], grid->n[0], -grid->columns, grid->columns};
+  const PetscInt back[DIM] = {1, grid->n[0], grid->columns}, sky = grid->count;
   const PetscInt top = (grid->n[2] - 1 - SKY_GAP) * grid->columns, last = top + grid->columns;
-  PetscInt       end = 0;
-  Block          block;
+  PetscInt       first, end;
 
-  BlockSet(grid, dim, &block);
-  for (PetscInt c = 0; c < grid->columns; c++) lowest[c] = grid->n[2];
-  for (PetscInt c = 0; c < grid->columns; c++)
-    if (inside[c] && BlockEnter(grid, &block, inside, top + c)) grid->queue[end++] = top + c;
-  for (PetscInt head = 0; head < end; head++) {
-    const PetscInt c = grid->queue[head];
-
-    for (PetscInt b = 0; b < block.cells; b++) {
-      const PetscInt cell = c + block.offset[b], column = cell % grid->columns;
-
-      lowest[column] = PetscMin(lowest[column], cell / grid->columns);
-    }
-    for (PetscInt s = 0; s < 2 * DIM; s++) {
-      const PetscInt next = c + step[s];
-
-      if (next < last && BlockEnter(grid, &block, inside, next)) grid->queue[end++] = next;
-    }
-  }
-}
-
-PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[])
-{
   PetscFunctionBegin;
-  if (grid->shared.leads) FindSky(grid, dim, inside, lowest);
-  PetscCallMPI(MPI_Bcast(lowest, (PetscMPIInt)grid->columns, MPIU_INT, 0, grid->shared.machine));
+  SharedSlice(&grid->shared, grid->count, &first, &end);
+  for (PetscInt c = first; c < end; c++)
+    grid->piece[c] = c >= grid->columns && c < last && IsRoom(grid, dim, c) ? c : -1;
+  if (grid->shared.leads) {
+    grid->piece[sky] = sky;
+    for (PetscInt c = 0; c < grid->columns; c++) grid->lowest[c] = grid->n[2];
+  }
+  PetscCall(SharedFence(&grid->shared));
+  for (PetscInt c = first; c < end; c++) {
+    if (grid->piece[c] < 0) continue;
+    for (PetscInt d = 0; d < DIM; d++)
+      if (grid->piece[c - back[d]] >= 0) PieceJoin(grid->piece, c - back[d], c);
+    if (c >= top) PieceJoin(grid->piece, c, sky);
+  }
+  PetscCall(SharedFence(&grid->shared));
+  for (PetscInt c = first; c < end; c++) {
+    if (grid->piece[c] < 0 || PieceFirst(grid->piece, c) != PieceFirst(grid->piece, sky)) continue;
+    for (PetscInt j = 0; j < (dim == 2 ? 1 : SKY_GAP); j++)
+      for (PetscInt i = 0; i < SKY_GAP; i++)
+        SharedMin(&grid->lowest[(c + CellIndex(grid->n, i, j, 0)) % grid->columns], c / grid->columns);
+  }
+  PetscCall(SharedFence(&grid->shared));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -121,11 +121,9 @@ void                   GaugeBodyBounds(Gauges gauges, PetscInt body, PetscReal l
 PetscInt               CraterMirrors(Gauges gauges, const Crater *crater);
 
 /* --- crater_grid.c: cells over the fluid find the liquid connected with the pool, and the surface below the sky --- */
-#define CELL_LIQUID  1  /* holds fluid */
-#define CELL_BODY    2  /* holds fluid of the pool's body */
-#define CELL_VISITED 4  /* by the search for the pool */
-#define CELL_POOL    8  /* connected with the pool */
-#define CELL_TESTED  16 /* by the search for the sky */
+#define CELL_LIQUID 1 /* holds fluid */
+#define CELL_BODY   2 /* holds fluid of the pool's body */
+#define CELL_POOL   4 /* connected with the pool */
 
 /* Axes 0 and 1 are horizontal, axis 2 points upwards. A rim of one empty cell surrounds the fluid. Layers of air lie on
    top. */
@@ -133,17 +131,19 @@ typedef struct {
   PetscInt       n[DIM], count, columns; /* rim included; columns = n[0] n[1] */
   PetscInt       component[DIM];         /* of positions, for each axis; in two dimensions component[1] is unused */
   PetscReal      lower[DIM], size;       /* m, of the cell 1,1,1 */
-  Shared         shared;                 /* cell */
-  unsigned char *cell;                   /* [count] */
-  PetscInt      *queue;                  /* [count], of the leading rank */
+  Shared         shared;                 /* the arrays */
+  unsigned char *cell;                   /* [count] CELL_... */
+  PetscInt      *piece;                  /* [count + 1] of what is connected */
+  PetscInt      *lowest;                 /* [columns] layer of the lowest cell that is open to the sky; n[2]: none */
+  PetscReal     *radius, *top;           /* [columns] m: see crater.c */
+  PetscBool     *inside;                 /* [columns] the crater radius */
 } CraterGrid;
 
 /* CraterGridCreate - marks the cells that hold fluid of any rank. CELL_POOL marks the connected component (26
    neighbours) with the most cells of the body 'pool'. Collective. */
 PetscErrorCode CraterGridCreate(Gauges gauges, PetscInt pool, const ParticleArrays *arrays, CraterGrid *grid);
-/* CraterGridSky - lowest[c]: layer of the lowest cell of column c that is open to the sky. A column whose inside[c] is
-   false blocks the sky, and its layer is that above the top. Collective. */
-PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim, const PetscBool inside[], PetscInt lowest[]);
+/* CraterGridSky - finds 'lowest'. A column that is not inside blocks the sky. Collective. */
+PetscErrorCode CraterGridSky(CraterGrid *grid, PetscInt dim);
 PetscErrorCode CraterGridDestroy(CraterGrid *grid);
 
 /* CraterGridCell - number and indices of the cell that holds the point x (m); -1: outside the grid. Not collective. */

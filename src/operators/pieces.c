@@ -1,17 +1,8 @@
 /* Connected pieces of liquid: chains of neighbours closer than a distance. */
+#include "../base/shared.h"
 #include "operators.h"
 
 #define GROUP 8 /* pairs */
-
-/* The root of a's tree in a union-find forest; halves the paths on the way. */
-static PetscInt Find(PetscInt parent[], PetscInt a)
-{
-  while (parent[a] != a) {
-    parent[a] = parent[parent[a]];
-    a         = parent[a];
-  }
-  return a;
-}
 
 typedef struct {
   Cloud     cloud;
@@ -32,12 +23,9 @@ static void Join(const Pieces *p, PetscInt a, PetscInt b)
   const Cloud      cloud = p->cloud;
   const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * a, *y = cloud->field[FIELD_POSITION] + DIM * b,
                   r[DIM] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
-  PetscInt of_a, of_b;
 
   if (cloud->integer[INT_LAYER][b] || Dot(r, r) >= PetscSqr(CloudPairSize(cloud, a, b) * p->distance)) return;
-  of_a                            = Find(p->parent, a);
-  of_b                            = Find(p->parent, b);
-  p->parent[PetscMax(of_a, of_b)] = PetscMin(of_a, of_b);
+  PieceJoin(p->parent, a, b);
 }
 
 /* The particle before a is often near it; then most of the other pairs have one parent, and whole groups are passed. In
@@ -60,7 +48,7 @@ void OperatorsConnect(Cloud cloud, PetscReal distance, PetscInt parent[])
         if (MayJoin(&pieces, a, b[k])) Join(&pieces, a, b[k]);
     }
   }
-  for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = Find(parent, a);
+  for (PetscInt a = 0; a < cloud->n_total; a++) parent[a] = PieceFirst(parent, a);
 }
 
 /* Sets the values of each particle to the least of its piece. Returns whether a value of an owned particle changed.

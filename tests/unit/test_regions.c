@@ -19,22 +19,30 @@ static char     picture[LINES][COLUMNS + 1]; /* '.': empty; upside down: the fir
 /* Of the grid: one of liquid, before the first fill. */
 static PetscErrorCode Grid(GasCells *cells)
 {
+  const SharedArray blocks[] = {{&cells->block, near, sizeof(PetscInt)},
+                                {&cells->home, near, sizeof(PetscInt)},
+                                {&cells->close.mask, near, sizeof(GasMask)},
+                                {&cells->seen.mask, near, sizeof(GasMask)},
+                                {&cells->held.mask, near, sizeof(GasMask)},
+                                {&cells->seen.beside, near, 1},
+                                {&cells->held.beside, near, 1}},
+                    nodes[]  = {{&cells->filled, near * PER, sizeof(PetscReal)},
+                                {&cells->label, near * PER + near, sizeof(PetscInt)},
+                                {&cells->owner, near * PER, sizeof(PetscInt)}};
+
   PetscFunctionBegin;
-  *cells = (GasCells){.n        = {columns, lines, 1},
-                      .blocks   = {columns / EDGE, lines / EDGE, 1},
-                      .shift    = {2, 2, 0},
-                      .size     = {1, 1, 1},
-                      .many     = {1, 1, 1},
-                      .volume   = 1,
-                      .per      = PER,
-                      .near     = near,
-                      .all      = near,
-                      .capacity = near * PER + near};
-  PetscCall(PetscCalloc5(columns, &cells->column, near, &cells->block, near, &cells->home, near * PER, &cells->filled,
-                         cells->capacity, &cells->label));
-  PetscCall(PetscCalloc1(near * PER, &cells->owner));
-  for (GasSet *set = &cells->close; set <= &cells->held; set++)
-    PetscCall(PetscCalloc2(near, &set->mask, near, &set->beside));
+  *cells = (GasCells){.n      = {columns, lines, 1},
+                      .blocks = {columns / EDGE, lines / EDGE, 1},
+                      .shift  = {2, 2, 0},
+                      .size   = {1, 1, 1},
+                      .many   = {1, 1, 1},
+                      .volume = 1,
+                      .per    = PER,
+                      .near   = near,
+                      .all    = near};
+  PetscCall(PetscCalloc1(columns, &cells->column));
+  PetscCall(SharedCreate(PETSC_COMM_SELF, PETSC_STATIC_ARRAY_LENGTH(blocks), blocks, &cells->of_blocks));
+  PetscCall(SharedCreate(PETSC_COMM_SELF, PETSC_STATIC_ARRAY_LENGTH(nodes), nodes, &cells->of_nodes));
   for (PetscInt b = 0; b < near; b++) {
     cells->block[b] = cells->home[b] = b;
     cells->close.mask[b]             = ~(GasMask)0;
@@ -91,11 +99,7 @@ static PetscErrorCode Open(PetscInt wide, PetscInt high, const char faces[], Set
 static PetscErrorCode Close(Setup *s, Gas **gas)
 {
   PetscFunctionBegin;
-  for (GasCells *cells = (*gas)->cells; cells < (*gas)->cells + 2; cells++) {
-    for (GasSet *set = &cells->close; set <= &cells->held; set++) PetscCall(PetscFree2(set->mask, set->beside));
-    PetscCall(PetscFree5(cells->column, cells->block, cells->home, cells->filled, cells->label));
-    PetscCall(PetscFree(cells->owner));
-  }
+  for (GasCells *cells = (*gas)->cells; cells < (*gas)->cells + 2; cells++) PetscCall(GasCellsDestroy(cells));
   PetscCall(PetscFree(*gas));
   PetscCall(SetupClose(s));
   PetscFunctionReturn(PETSC_SUCCESS);
