@@ -157,46 +157,30 @@ PetscReal TargetSpacing(Scene scene, const PetscReal x[DIM], const PetscReal int
   return PetscMax(domain->spacing, spacing);
 }
 
-/* What the cell allows one that is so many moves along axes away; another rank may be about to make it less. */
-static inline PetscInt Allowed(const Target *t, PetscInt cell, PetscInt moves)
+/* The cell 'by' from the cell at, through periodic faces; -1: it is outside. */
+static PetscInt CellBeside(const Domain domain, const Target *t, const PetscInt at[DIM], const PetscInt by[DIM])
 {
-  return __atomic_load_n(&t->value[cell], __ATOMIC_RELAXED) + (2 + moves) * t->third;
-}
+  PetscInt to[DIM];
 
-/* What the neighbours of a cell at the edge of the grid allow that come before it in a pass: see Sweep. */
-static PetscInt LeastAtEdge(const Domain domain, const Target *t, const PetscInt at[DIM], PetscInt direction)
-{
-  PetscInt least = t->value[CellIndex(t->n, at[0], at[1], at[2])];
-
-  for (PetscInt l = 0; l < BACKWARD; l++) {
-    const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
-    PetscInt       to[DIM], moves = 0;
-    PetscBool      inside = PETSC_TRUE;
-
-    for (PetscInt d = 0; d < DIM; d++) {
-      to[d] = at[d] + direction * by[d];
-      moves += by[d] != 0;
-      if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
-      inside = (PetscBool)(inside && to[d] >= 0 && to[d] < t->n[d]);
-    }
-    if (inside) least = PetscMin(least, Allowed(t, CellIndex(t->n, to[0], to[1], to[2]), moves));
+  for (PetscInt d = 0; d < DIM; d++) {
+    to[d] = at[d] + by[d];
+    if (domain->face[d][0] == FACE_PERIODIC) to[d] = (to[d] + t->n[d]) % t->n[d];
+    if (to[d] < 0 || to[d] >= t->n[d]) return -1;
   }
-  return least;
+  return CellIndex(t->n, to[0], to[1], to[2]);
 }
 
-/* A pass over the cells first .. end - 1, forwards or backwards: each takes what those before it allow. Returns whether
-   one has become less. */
+/* A pass over the cells first .. end - 1, forwards or backwards: each takes what those before it allow, which another
+   rank may be about to make less. Returns whether one has become less. */
 static PetscBool Sweep(const Domain domain, Target *t, PetscInt first, PetscInt end, PetscInt direction)
 {
-  PetscInt  offset[BACKWARD], moves[BACKWARD], near = 0; /* the neighbours of a cell inside the grid */
+  PetscInt  by[BACKWARD][DIM], offset[BACKWARD], allows[BACKWARD];
   PetscBool changed = PETSC_FALSE;
 
   for (PetscInt l = 0; l < BACKWARD; l++) {
-    const PetscInt by[DIM] = {l % 3 - 1, l / 3 % 3 - 1, l / 9 - 1};
-
-    if (t->n[2] == 1 && by[2] != 0) continue;
-    offset[near]  = direction * CellIndex(t->n, by[0], by[1], by[2]);
-    moves[near++] = (by[0] != 0) + (by[1] != 0) + (by[2] != 0);
+    for (PetscInt d = 0, place = l; d < DIM; d++, place /= 3) by[l][d] = direction * (place % 3 - 1);
+    offset[l] = CellIndex(t->n, by[l][0], by[l][1], by[l][2]);
+    allows[l] = t->third * (2 + PetscAbsInt(by[l][0]) + PetscAbsInt(by[l][1]) + PetscAbsInt(by[l][2]));
   }
   for (PetscInt k = first; k < end; k++) {
     const PetscInt c      = direction > 0 ? k : first + end - 1 - k;
@@ -205,10 +189,11 @@ static PetscBool Sweep(const Domain domain, Target *t, PetscInt first, PetscInt 
 
     CellCoordinates(t->n, c, at);
     for (PetscInt d = 0; d < domain->dim; d++) inside = (PetscBool)(inside && at[d] > 0 && at[d] < t->n[d] - 1);
-    if (inside)
-      for (PetscInt l = 0; l < near; l++) least = PetscMin(least, Allowed(t, c + offset[l], moves[l]));
-    else
-      least = LeastAtEdge(domain, t, at, direction);
+    for (PetscInt l = domain->dim == 2 ? 9 : 0; l < BACKWARD; l++) {
+      const PetscInt cell = inside ? c + offset[l] : CellBeside(domain, t, at, by[l]);
+
+      if (cell >= 0) least = PetscMin(least, __atomic_load_n(&t->value[cell], __ATOMIC_RELAXED) + allows[l]);
+    }
     changed = (PetscBool)(changed || least < t->value[c]);
     __atomic_store_n(&t->value[c], least, __ATOMIC_RELAXED);
   }
@@ -332,13 +317,12 @@ PetscErrorCode TargetSolids(Scene scene)
 {
   const PetscReal margin = SOLID_MARGIN * SceneDomain(scene)->spacing + TargetOf(scene)->size;
   PetscReal       x[DIM];
-  PetscMPIInt     rank, size;
+  PetscInt        first, end;
 
   PetscFunctionBegin;
   if (!SceneSolidCount(scene) && !SceneComesLater(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_rank(SceneDomain(scene)->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(SceneDomain(scene)->comm, &size));
-  for (PetscInt c = rank; c < TargetOf(scene)->count; c += size) {
+  SharedPart(&TargetOf(scene)->shared, TargetOf(scene)->count, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
     PetscBool fine;
 
     CellCenter(TargetOf(scene), c, x);
@@ -352,13 +336,12 @@ PetscErrorCode TargetSolids(Scene scene)
 
 PetscErrorCode TargetBodies(Domain domain, Scene scene)
 {
-  PetscMPIInt rank, size;
+  PetscInt first, end;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(SceneDomain(scene)->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(SceneDomain(scene)->comm, &size));
   PetscCall(TargetClear(scene));
-  for (PetscInt c = rank; c < TargetOf(scene)->count; c += size) {
+  SharedPart(&TargetOf(scene)->shared, TargetOf(scene)->count, &first, &end);
+  for (PetscInt c = first; c < end; c++) {
     PetscReal x[DIM];
 
     CellCenter(TargetOf(scene), c, x);
@@ -369,8 +352,7 @@ PetscErrorCode TargetBodies(Domain domain, Scene scene)
   PetscCall(TargetFilled(scene));
   PetscCall(TargetSolids(scene));
   for (PetscInt b = 0; b < SceneCount(scene); b++)
-    for (PetscInt c = rank; c < TargetOf(scene)->count && !BodyComesLater(SceneBody(scene, b)); c += size)
-      AddSurface(scene, b, c);
+    for (PetscInt c = first; c < end && !BodyComesLater(SceneBody(scene, b)); c++) AddSurface(scene, b, c);
   PetscCall(TargetSpread(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

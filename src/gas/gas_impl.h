@@ -144,6 +144,7 @@ typedef struct {
   GasCells *cells;
   PetscInt  count;
   Pocket    pocket[GAS_MOST + 1]; /* from 1 on */
+  PetscInt  faces[GAS_MOST + 1];  /* of the box that they touch, a bit for each */
   PetscReal moved;                /* spacings by which what is beside them has moved since the cells were filled */
   PetscReal liquid;               /* all that there was, m^dim (m3 of rings) */
 } Pockets;

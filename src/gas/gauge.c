@@ -73,27 +73,14 @@ static PetscErrorCode ColumnsTable_Pockets(Gauges gauges, const void *data, Colu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mirrors that the pockets touch, and the axis of rings: [pockets][DIM], -1 at the lower, 1 at the upper face. */
-static void FindMirrors(const Gas *gas, PetscReal mirror[])
+/* The mirrors that a pocket touches, and the axis of rings: [DIM], -1 at the lower, 1 at the upper face. */
+static void FindMirrors(Domain domain, PetscInt faces, PetscReal mirror[DIM])
 {
-  const GasCells *cells  = gas->before.cells;
-  const Domain    domain = gas->cloud->domain;
-
-  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
-    const PetscInt d      = f / 2;
-    PetscInt       n[DIM] = {cells->n[0], cells->n[1], cells->n[2]}, at[DIM];
-
-    if (domain->face[d][f % 2] != FACE_SYMMETRY && (f % 2 || !DomainIsRadial(domain, d))) continue;
-    n[d] = 1;
-    for (PetscInt k = 0; k < n[0] * n[1] * n[2]; k++) {
-      PetscInt node;
-
-      CellCoordinates(n, k, at);
-      if (f % 2) at[d] = cells->n[d] - 1;
-      node = GasCellsNode(cells, at[0], at[1], at[2]);
-      if (node >= 0 && cells->label[node] > GAS_AIR) mirror[DIM * (cells->label[node] - 1) + d] = f % 2 ? 1 : -1;
-    }
-  }
+  PetscArrayzero(mirror, DIM);
+  for (PetscInt f = 0; f < 2 * domain->dim; f++)
+    if (faces >> f & 1 &&
+        (domain->face[f / 2][f % 2] == FACE_SYMMETRY || (f % 2 == 0 && DomainIsRadial(domain, f / 2))))
+      mirror[f / 2] = f % 2 ? 1 : -1;
 }
 
 static PetscErrorCode Rows_Pockets(Gauges gauges, void *data, PetscReal time, PetscInt *count, PetscReal **values)
@@ -101,29 +88,25 @@ static PetscErrorCode Rows_Pockets(Gauges gauges, void *data, PetscReal time, Pe
   const PetscInt width   = 5 + DIM;
   const Domain   domain  = GaugesCloud(gauges)->domain;
   const Pockets *pockets = &RunGas(gauges)->before;
-  PetscReal     *mirror;
   PetscMPIInt    rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(GaugesCloud(gauges)->comm, &rank));
   *count = rank ? 0 : pockets->count;
   PetscCall(PetscMalloc1(width * *count, values));
-  PetscCall(PetscCalloc1(DIM * *count, &mirror));
-  if (*count) FindMirrors(RunGas(gauges), mirror);
   for (PetscInt k = 0; k < *count; k++) {
     const Pocket *pocket = &pockets->pocket[k + 1];
-    PetscReal    *row = *values + width * k, *center = row + 4, larger;
+    PetscReal    *row = *values + width * k, *center = row + 4, larger, mirror[DIM];
 
+    FindMirrors(domain, pockets->faces[k + 1], mirror);
     PetscCall(PetscArraycpy(center, pocket->center, DIM));
-    if (DomainIsRadial(domain, 0) && mirror[DIM * k] != 0)
-      center[0] = mirror[DIM * k] = 0; /* a whole one on the axis */
-    larger = GaugeWhole(gauges, mirror + DIM * k, center, NULL, &center[DIM]);
+    if (DomainIsRadial(domain, 0) && mirror[0] != 0) center[0] = mirror[0] = 0; /* a whole one on the axis */
+    larger = GaugeWhole(gauges, mirror, center, NULL, &center[DIM]);
     row[0] = k + 1;
     row[1] = larger * pocket->tracked;
     row[2] = pocket->pressure;
     row[3] = larger * pocket->amount;
   }
-  PetscCall(PetscFree(mirror));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

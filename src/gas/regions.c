@@ -13,11 +13,11 @@
 #define SKIN     0.1 /* spacings that what is beside pockets moves before cells are filled anew */
 #define REACH    3   /* cells around a region in which what is not filled is the region's */
 
-/* The regions while they are found: how many cells they have, and whether they are open air; or, in the end, their
-   labels, GAS_AIR, GAS_VOID, or the number of a pocket. */
+/* The regions while they are found: how many cells they have, the faces of the box that they touch, a bit for each, and
+   their labels, GAS_AIR, GAS_VOID, or the number of a pocket. */
 typedef struct {
   PetscInt  count;
-  PetscInt *cells, *label; /* [count] */
+  PetscInt *cells, *faces, *label; /* [count] */
 } Regions;
 
 typedef void (*NodeVisitor)(const GasCells *cells, PetscInt node, void *context);
@@ -83,47 +83,42 @@ static void Join(const GasCells *cells, PetscInt node, void *context)
   if (node < of && cells->label[node] >= 0) PieceJoin(cells->label, node, of);
 }
 
-/* How many cells a node of a region has; *open: whether it is at an open face of the box. */
-static PetscInt NodeCells(const GasCells *cells, Domain domain, PetscInt node, PetscBool *open)
-{
-  PetscInt first[DIM], last[DIM];
-
-  NodeRange(cells, node, first, last);
-  *open = PETSC_FALSE;
-  for (PetscInt d = 0; d < domain->dim; d++)
-    if ((first[d] == 0 && domain->face[d][0] == FACE_OPEN) ||
-        (last[d] == cells->n[d] - 1 && domain->face[d][1] == FACE_OPEN))
-      *open = PETSC_TRUE;
-  return (last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1);
-}
-
 /* Labels the nodes with the numbers of their regions, and finds which regions are open air. */
 static PetscErrorCode Connect(GasCells *cells, Domain domain, Regions *regions)
 {
   const PetscInt nodes = cells->near * cells->per + cells->all;
-  PetscInt       first, end, lower[DIM], upper[DIM];
+  PetscInt       begin, end, first[DIM], last[DIM];
 
   PetscFunctionBegin;
-  SharedSlice(&cells->of_nodes, nodes, &first, &end);
-  for (PetscInt c = first; c < end; c++)
-    cells->label[c] = IsEmpty(cells, c) && NodeRange(cells, c, lower, upper) ? c : GAS_LIQUID;
+  SharedSlice(&cells->of_nodes, nodes, &begin, &end);
+  for (PetscInt c = begin; c < end; c++)
+    cells->label[c] = IsEmpty(cells, c) && NodeRange(cells, c, first, last) ? c : GAS_LIQUID;
   PetscCall(SharedFence(&cells->of_nodes));
-  for (PetscInt c = first; c < end; c++)
+  for (PetscInt c = begin; c < end; c++)
     if (cells->label[c] >= 0) ForNeighbours(cells, domain, c, Join, &c);
   PetscCall(PiecesNumber(&cells->of_nodes, nodes, cells->label, &regions->count));
-  PetscCall(PetscCalloc1(2 * regions->count, &regions->cells));
-  regions->label = regions->cells + regions->count;
-  SharedPart(&cells->of_nodes, nodes, &first, &end);
-  for (PetscInt c = first; c < end; c++) {
-    PetscBool open;
+  PetscCall(PetscCalloc1(3 * regions->count, &regions->cells));
+  regions->faces = regions->cells + regions->count;
+  regions->label = regions->faces + regions->count;
+  SharedPart(&cells->of_nodes, nodes, &begin, &end);
+  for (PetscInt c = begin; c < end; c++) {
+    const PetscInt r = cells->label[c];
 
-    if (cells->label[c] < 0) continue;
-    regions->cells[cells->label[c]] += NodeCells(cells, domain, c, &open);
-    regions->label[cells->label[c]] |= open;
+    if (r < 0) continue;
+    NodeRange(cells, c, first, last);
+    regions->cells[r] += (last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1);
+    for (PetscInt d = 0; d < domain->dim; d++)
+      regions->faces[r] |= (first[d] == 0) << 2 * d | (last[d] == cells->n[d] - 1) << (2 * d + 1);
   }
   PetscCallMPI(
-    MPI_Allreduce(MPI_IN_PLACE, regions->cells, (PetscMPIInt)(2 * regions->count), MPIU_INT, MPI_SUM, domain->comm));
-  for (PetscInt r = 0; r < regions->count; r++) regions->label[r] = regions->label[r] ? GAS_AIR : GAS_VOID;
+    MPI_Allreduce(MPI_IN_PLACE, regions->cells, (PetscMPIInt)regions->count, MPIU_INT, MPI_SUM, domain->comm));
+  PetscCallMPI(
+    MPI_Allreduce(MPI_IN_PLACE, regions->faces, (PetscMPIInt)regions->count, MPIU_INT, MPI_BOR, domain->comm));
+  for (PetscInt r = 0; r < regions->count; r++) {
+    regions->label[r] = GAS_VOID;
+    for (PetscInt f = 0; f < 2 * domain->dim; f++)
+      if (regions->faces[r] >> f & 1 && domain->face[f / 2][f % 2] == FACE_OPEN) regions->label[r] = GAS_AIR;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -389,6 +384,7 @@ static PetscErrorCode Choose(Gas *gas, Regions *regions, PetscReal air[GAS_MOST 
     if (label <= 0) continue;
     if (gas->before_known) sources = Inherit(gas, common, width, r, &pocket, &was_air);
     gas->now.pocket[label] = pocket;
+    gas->now.faces[label]  = regions->faces[r];
     air[label]             = was_air;
     gas->born += gas->before_known && sources == 0 && was_air > 0;
     gas->merged += PetscMax(0, sources - 1);
