@@ -135,11 +135,11 @@ static void Take(const GasCells *cells, PetscInt node, void *context)
   Taker         *taker = (Taker *)context;
   const PetscInt owner =
     node < cells->near * cells->per ? __atomic_load_n(&cells->owner[node], __ATOMIC_RELAXED) : GAS_LIQUID;
+  PetscInt more;
 
   if (owner < 0 || owner == taker->best) return;
-  if (taker->best < 0 || taker->regions->cells[owner] > taker->regions->cells[taker->best] ||
-      (taker->regions->cells[owner] == taker->regions->cells[taker->best] && owner < taker->best))
-    taker->best = owner;
+  more = taker->best < 0 ? 1 : taker->regions->cells[owner] - taker->regions->cells[taker->best];
+  if (more > 0 || (more == 0 && owner < taker->best)) taker->best = owner;
 }
 
 #define TAKEN(region) (GAS_LIQUID - 1 - (region)) /* in this layer: what is beside does not see it yet */
