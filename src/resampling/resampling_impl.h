@@ -14,9 +14,10 @@
 
 #include "../operators/operators.h"
 
-/* Shares from which particles split and below which they join. Chosen, no reference. Rings at fixed spacings: the
-   largest splits into halves of 0.8; two of the smallest join to 1.2. A target that moves needs more between both, or
-   particles split and join all the time: 94 k joins in 60 ms of a drop impact became 13 k. */
+/* Shares from which particles split and below which they join. Rings at fixed spacings: the largest splits into halves
+   of 0.8; two of the smallest join to 1.2. A target that moves needs more between both, or particles split and join all
+   the time: 94 k joins in 60 ms of a drop impact became 13 k. There 1.7 and 2.2 leave the diameter as it is, 2.4 % off
+   at most; 0.2 is better (1.8 %), 0.4 worse (4.2 %). */
 #define MOST         1.6
 #define LEAST        0.6
 #define MOST_FOLLOW  1.9

@@ -1,7 +1,9 @@
 /* Measures a trial of a step, and decides whether it is accepted. */
 #include "stepper_impl.h"
 
-#define DENSITY_MAX     3 /* over the rest density, of clumped particles: a step is rolled back; no reference */
+/* over the rest density, of clumped particles: a step is rolled back. What runs well is far from it: 2 and 6 change no
+   digit of ten cases, a dam break, drops that collide and a sheet of one particle among them. */
+#define DENSITY_MAX     3
 #define OPEN_FACE_REACH 4 /* spacings from an open face within which a cut sheet may look underresolved */
 
 /* Whether particle a has neighbours along a line at most, in liquid so viscous that no capillary wave of a spacing's
