@@ -33,8 +33,9 @@
 #include "gas_impl.h"
 
 #define CENTRED 0.25 /* b */
-#define DAMPED  0.25 /* a, from RESOLVED + UNRESOLVED on; a bottle glugs at 0.25 s, with 0.125 too, with 0.5 at 0.18 s \
-                      */
+#define DAMPED                                                                                                         \
+  0.25 /* a, from RESOLVED + UNRESOLVED on; a bottle glugs at 0.25 s, with 0.125 too, with 0.5 at 0.18 s               \
+        */
 #define RESOLVED   3.5 /* bound of the frequency times the step below which a = 0 */
 #define UNRESOLVED 4
 #define MEMORY     4    /* relaxation times of the pressure in which the cells correct a volume */

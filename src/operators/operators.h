@@ -40,8 +40,8 @@ static inline PetscBool OperatorsNearWall(Cloud cloud, const PetscReal x[DIM])
    acts on it, it is not shifted, and no neighbour compensates for it. */
 #define SPRAY_LAMBDA 0.2
 /* A particle with lambda at most this has too few neighbours for B = M^-1: B is the identity. With 0.2 the angular
-   momentum of drops that collide off centre changes by 1.7 %, with 0.3 by 0.9 % of R sum m v; with 0.4 a patch of liquid
-   that turns clumps by 6.4 %, with 0.3 by 3.8 %. */
+   momentum of drops that collide off centre changes by 1.7 %, with 0.3 by 0.9 % of R sum m v; with 0.4 a patch of
+   liquid that turns clumps by 6.4 %, with 0.3 by 3.8 %. */
 #define MOMENT_MINIMUM 0.3
 
 /* SymmetricSmallestEigenvalue - the smallest eigenvalue of M (xx yy zz xy xz yz); with dim 2, of its upper left 2 x 2

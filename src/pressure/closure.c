@@ -9,8 +9,8 @@
 
 /* ClosureFull gives their sources. */
 #define FACTOR 2 /* times the filling of Nair and Tomar: p = 0 lies on the surface */
-/* rows with a smaller lambda are filled up: rows of the surface and of the layer below. With 0.85 and 0.95 the height of
-   a dam break is by 1.5 and 1.4 %, with 0.9 by 1.2 % of 2 a beside the reference; the angular momentum of drops that
+/* rows with a smaller lambda are filled up: rows of the surface and of the layer below. With 0.85 and 0.95 the height
+   of a dam break is by 1.5 and 1.4 %, with 0.9 by 1.2 % of 2 a beside the reference; the angular momentum of drops that
    collide off centre changes by 1.0 and 1.6 %, with 0.9 by 0.9 % of R sum m v. */
 #define FILLED_LAMBDA 0.9
 #define LEAST         2.5 /* times n.B n V/rho: least closure; below 1 a row diverges */
