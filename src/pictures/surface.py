@@ -35,6 +35,7 @@ TOO_FAR = 0.075  # spacings, by which the contour at LEVEL of a flat surface is 
 TURNS = (0, 8, 32)  # iterations, over the square of the cells in a spacing, for sizes 1, 2, 4: over 0.7 own spacings
 RELAXED = 0.5  # share of the way to the mean of its neighbours that a corner goes in an iteration
 SOFT = 6  # passes that average the normals of a picture
+CALM = 24  # the same for the curvature: bumps of a few spacings are not to grow
 SHARP = 4  # power of the cosine between two normals with which they are averaged: an edge stays
 WIDE = 1.5e-3  # m, reach of the shade in hollows
 AROUND = 240  # corners of a surface of revolution around its axis
@@ -341,18 +342,23 @@ def with_normals(mesh, closed):
 
 
 def softened(normals, cells):
-    """Normals averaged over the mesh, but not across edges: a surface of particles is rough by a tenth of a spacing,
-    which highlights would show."""
+    """Normals averaged over the mesh: a surface of particles is rough by a tenth of a spacing, which highlights would
+    show."""
+    total = averaged(normals, normals, cells)
+    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
+
+
+def averaged(values, normals, cells, passes=SOFT):
+    """Values [n][k] at the corners of a mesh, averaged with their neighbours', but not across edges."""
     if not len(cells):
-        return normals
+        return values
     pairs = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
     one, other = np.concatenate([pairs, pairs[:, ::-1]]).T
     weight = np.clip(np.einsum("ij,ij->i", normals[one], normals[other]), 0, 1) ** SHARP
-    for _ in range(SOFT):
-        total = normals + np.stack([np.bincount(one, weight * normals[other, d], len(normals)) for d in range(3)],
-                                   axis=1)
-        normals = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
-    return normals
+    every = 1 + np.bincount(one, weight, len(values))
+    for _ in range(passes):
+        values = np.stack([(v + np.bincount(one, weight * v[other], len(v))) / every for v in values.T], axis=1)
+    return values
 
 
 def triangles(field, level, origin, cell, sized=None, spacing=0.0):
@@ -379,8 +385,27 @@ def triangles(field, level, origin, cell, sized=None, spacing=0.0):
         points, normals, cells = with_normals(mesh, False)
     if sized is not None and len(points):
         places = (in_plane(points, (0, 1, 2)[:field.ndim]) - origin) / cell
-        points = points - TOO_FAR * spacing * sample(sized, places)[:, None] * normals
+        own = sample(sized, places)
+        away = (FILTER * own)**2 * spacing * curvature(points, normals, cells, spacing) / 2 - TOO_FAR * own
+        points = points + away[:, None] * spacing * normals
     return points, normals, cells
+
+
+def curvature(points, normals, cells, spacing):
+    """The sum of the principal curvatures (1/m) at the corners of a mesh, positive where it is convex, at most one over
+    a spacing (m), averaged like the normals: a Gaussian of the width w moves a surface inwards by w^2/2 times as
+    much. It is the gradient of the triangles' area."""
+    corner = points[cells]
+    side = np.roll(corner, -1, axis=1) - np.roll(corner, 1, axis=1)  # opposite to each corner
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
+    grows = np.cross(side, (across / length[:, None])[:, None]) / 2
+    outward = np.sign(np.einsum("ij,ij->i", across, normals[cells[:, 0]]))
+    grows = grows * outward[:, None, None]
+    total = np.stack([np.bincount(cells.ravel(), grows[..., d].ravel(), len(points)) for d in range(3)], axis=1)
+    area = np.bincount(cells.ravel(), np.repeat(length / 6, 3), len(points))
+    bent = np.einsum("ij,ij->i", total, normals) / np.maximum(area, 1e-300)
+    return averaged(np.clip(bent, -1 / spacing, 1 / spacing)[:, None], normals, cells, CALM)[:, 0]
 
 
 def revolve(lines, on_axis=()):

@@ -194,6 +194,15 @@ tilt = np.degrees(np.arccos(np.clip(np.abs(facing[top, 2]) / area[top], 0, 1)))
 runs.check_below(np.average(tilt, weights=area[top]), 2.4, "a_surface_of_uneven_large_particles_is_flat")
 held = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
 runs.check_within(held / (LARGE * D0)**3 / len(film), 0.99, 1.01, "it_holds_their_volume")
+
+# a drop five particles in radius has its volume, though the field that it is drawn from is blurred
+grid = np.stack(np.meshgrid(*[D0 * (np.arange(-6, 6) + 0.5)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+drop = grid[np.linalg.norm(grid, axis=1) < 5 * D0] + [0, 0, 12 * D0]
+one, far = np.ones(len(drop)), 12 * D0 * np.ones(3)
+points_of_drop, _, cells_of_drop = surface.Liquid(drop, 0 * one, D0, far * [-1, -1, 0], far * [1, 1, 2], one, one).mesh()
+corner = points_of_drop[cells_of_drop] - [0, 0, 12 * D0]
+held = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
+runs.check_within(held / D0**3 / len(drop), 0.99, 1.01, "a_drop_has_its_volume")
 loops = surface.outline(points, cells)
 cut = sum(0.5 * abs(np.sum(x * np.roll(z, 1) - z * np.roll(x, 1))) for x, z in (loop.T for loop in loops))
 runs.check_within(cut / (0.8 * 4 * LARGE * D0), 0.98, 1.02, "its_section_has_its_area")
