@@ -92,7 +92,7 @@ static inline PetscReal Nearness(Tension tension, PetscReal s)
 static PetscReal Offset(Tension tension, PetscReal volume, const PetscReal foot[DIM], PetscReal div_n)
 {
   const Curvature *data   = tension->data;
-  const PetscReal  filled = Filled(tension, volume, foot) + 0.5 * div_n * SHEET_CORE * KernelPlaneMoment(tension->kernel),
+  const PetscReal  filled = Filled(tension, volume, foot) + 0.5 * div_n * KernelPlaneMoment(data->core),
                   offset  = (filled - 0.5) * SHEET_CORE / data->plane;
 
   return PetscMax(-0.5, PetscMin(0.5, offset / tension->spacing)) * tension->spacing;
