@@ -352,7 +352,8 @@ static PetscErrorCode Share(Output output, H5File *h5, const Head *head, PetscBo
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++)
-    if (ParticlesHave(output->cloud->particles, f)) row += (size_t)Fields[f].width * sizeof(double);
+    if (ParticlesHave(output->cloud->particles, f) && (!turns || H5FileHas(h5, Fields[f].name)))
+      row += (size_t)Fields[f].width * sizeof(double);
   *good = (PetscBool)(H5FileHolds(h5, total, row) && H5FileHolds(h5, ranks.total, sizeof(int32_t)));
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   ranks.n = rank ? 0 : ranks.total; /* rank 0 reads all */
@@ -390,14 +391,16 @@ static PetscErrorCode FieldsGet(Output output, H5File *h5, const Head *head, Pet
   if (!*good) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(ParticlesAppend(output->cloud->particles, rows.n));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
+  for (PetscInt f = 0; f < INT_COUNT; f++)
+    PetscCall(H5FileRead(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays.integer[f]));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     if (!arrays.real[f]) continue;
     rows.width = Fields[f].width;
-    PetscCall(H5FileRead(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
+    if (!turns || H5FileHas(h5, Fields[f].name))
+      PetscCall(H5FileRead(h5, Fields[f].name, H5T_NATIVE_DOUBLE, &rows, arrays.real[f]));
+    else
+      RestartFillIn((FieldId)f, &arrays);
   }
-  rows.width = 1;
-  for (PetscInt f = 0; f < INT_COUNT; f++)
-    PetscCall(H5FileRead(h5, IntFieldNames[f], H5FILE_INT, &rows, arrays.integer[f]));
   PetscCall(ParticlesClose(output->cloud->particles, &arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

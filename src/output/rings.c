@@ -1,6 +1,7 @@
-/* A restart of a scene in space from rings about the axis x = y = 0. A ring becomes particles at equal angles, about as
-   far apart as its section is wide, with all that it carries; as many in each quarter, so that mirrors through the axis
-   cut none. They join and split to the spacing that the scene wants in the run's own time (resampling/). */
+/* A restart of a scene in space from rings about the axis x = y = 0. Rings finer than the scene's particles become one
+   in each cell as wide as these; then a ring becomes particles at equal angles, about as far apart as its section is
+   wide, with all that it carries: as many in each quarter, so that mirrors through the axis cut none. They are settled
+   as a packing is, and join and split to the spacing that the scene wants in the run's own time (resampling/). */
 #include "output_impl.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,6 +49,18 @@ static void CompareBoxes(Domain domain, const char stored[], char flaw[FLAW])
     (void)snprintf(flaw, FLAW, "its box begins at a height of %g m, this box at %g m", floor, (double)domain->lower[2]);
 }
 
+/* Whether particles have a field even if their rings carry none: those of bodies that do not mix, or of one size. */
+static PetscBool NeedNot(PetscInt f)
+{
+  return (PetscBool)(f == FIELD_COLOUR || f == FIELD_SIZE);
+}
+
+void RestartFillIn(FieldId f, const ParticleArrays *rows)
+{
+  for (PetscInt a = 0; f == FIELD_COLOUR && a < rows->n; a++)
+    rows->real[f][a] = rows->integer[INT_BODY][a] == 0 ? 1 : 0;
+}
+
 PetscErrorCode RestartRingsCheck(Output output, const char file[], const char stored[], H5File *h5)
 {
   char flaw[FLAW] = "", *text;
@@ -63,7 +76,7 @@ PetscErrorCode RestartRingsCheck(Output output, const char file[], const char st
   free(text);
   PetscCallMPI(MPI_Bcast(flaw, FLAW, MPI_CHAR, 0, output->comm));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT && !flaw[0]; f++)
-    if (ParticlesHave(output->cloud->particles, f) && !H5FileHas(h5, Fields[f].name))
+    if (ParticlesHave(output->cloud->particles, f) && !NeedNot(f) && !H5FileHas(h5, Fields[f].name))
       (void)snprintf(flaw, FLAW, "its rings carry no %s (%s)", Fields[f].name, Fields[f].meaning);
   PetscCheckUser(!flaw[0], output->comm, "The checkpoint %s cannot be turned into this scene: %s.", file, flaw);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -61,12 +61,12 @@ static PetscErrorCode Relax(Sim sim)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode StartAtRest(Sim sim)
+PetscErrorCode StartAtRest(Sim sim, PetscBool turned)
 {
   ParticleArrays arrays;
 
   PetscFunctionBegin;
-  if (sim->relaxation_time > 0)
+  if (sim->relaxation_time > 0 && !turned)
     PetscCall(Relax(sim));
   else if (!StepperRepairsAtOnce(sim->stepper))
     PetscCall(StepperSettle(sim->stepper));
@@ -76,7 +76,7 @@ PetscErrorCode StartAtRest(Sim sim)
   PetscCall(ParticlesOpen(sim->particles, &arrays));
   PetscCall(PetscArrayzero(arrays.real[FIELD_PRESSURE], arrays.n));
   PetscCall(ParticlesClose(sim->particles, &arrays));
-  PetscCall(PackingSetVelocities(sim->packing));
+  PetscCall(turned ? CloudResync(sim->cloud) : PackingSetVelocities(sim->packing));
   PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

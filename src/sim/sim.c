@@ -253,10 +253,7 @@ PetscErrorCode SimSetUp(Sim sim)
 
     PetscCall(CloudCommit(sim->cloud, &lost, NULL)); /* the partition now knows where the free surface is */
     PetscCall(CloudResync(sim->cloud));
-    if (turned)
-      PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
-    else
-      PetscCall(StartAtRest(sim));
+    PetscCall(StartAtRest(sim, turned));
     PetscCall(BudgetStart(sim));
     sim->restart[0] = 0; /* the run of the rings ends here, and this one begins */
   }

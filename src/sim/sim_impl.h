@@ -171,8 +171,9 @@ PetscErrorCode ModelPrint(Sim sim, const SceneModel *found);
    with path NULL into the run folder, where the particles are known. Collective. */
 PetscErrorCode SceneFileWrite(Sim sim, const char path[]);
 /* StartAtRest - moves the particles of the packing so that liquid at rest starts at rest: the consistent schemes settle
-   it, the printed one relaxes it for -packing_relaxation_time. Collective. */
-PetscErrorCode StartAtRest(Sim sim);
+   it, the printed one relaxes it for -packing_relaxation_time. turned: it moves already, and is settled only.
+   Collective. */
+PetscErrorCode StartAtRest(Sim sim, PetscBool turned);
 /* RefuseTraps - a UserError for -fp_trap. Collective. */
 PetscErrorCode RefuseTraps(MPI_Comm comm);
 /* RefuseUnusedOptions - a UserError naming the first option that nothing has read, with the nearest name that exists or
