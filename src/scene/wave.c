@@ -11,12 +11,15 @@
 #define STEEPNESS_MAX 0.5                /* of k a: the expansion to second order describes no steeper wave */
 
 typedef struct {
-  PetscReal lower[DIM], upper[DIM]; /* m; upper[up]: the level */
-  PetscReal amplitude;              /* m */
-  PetscReal length;                 /* m */
-  PetscReal k;                      /* wave number, with rings the first zero of J1 over the radius, 1/m */
-  PetscReal stretch;                /* with rings: largest factor by which the map changes distances, 1 */
-  PetscInt  up;                     /* the direction upwards */
+  PetscReal lower[DIM], upper[DIM];   /* m; upper[up]: the level */
+  PetscReal amplitude;                /* m */
+  PetscReal length;                   /* m */
+  PetscReal k;                        /* wave number, with rings the first zero of J1 over the radius, 1/m */
+  PetscReal second;                   /* m, amplitude of the second harmonic */
+  PetscReal scale;                    /* m, of WaveFlow: the amplitude over sinh(k depth) */
+  PetscReal sample[WAVE_SAMPLES + 1]; /* m, WaveSurface from a crest to the next trough */
+  PetscReal stretch;                  /* with rings: largest factor by which the map changes distances, 1 */
+  PetscInt  up;                       /* the direction upwards */
   PetscBool rings;
 } Wave;
 
@@ -29,6 +32,15 @@ static const OptionRow options[] = {
    .fallback = "the width of its box"},
   {.name = NULL},
 };
+
+/* Elevation of the surface above the level (m) at s = x - lower[0] (m), and its slope. */
+static PetscReal WaveSurface(const Wave *wave, PetscReal s, PetscReal *slope)
+{
+  const PetscReal a = wave->amplitude, k = wave->k, cosine = PetscCosReal(k * s), sine = PetscSinReal(k * s);
+
+  *slope = -k * sine * (a + 4 * wave->second * cosine);
+  return a * cosine + wave->second * (2 * cosine * cosine - 1);
+}
 
 static void WaveDefaults(void *owner)
 {
@@ -47,7 +59,7 @@ static PetscErrorCode WaveSetUp(void *owner)
   Domain         domain = body->domain;
   const PetscInt up     = domain->dim - 1;
   Wave          *wave   = (Wave *)body->shape_data;
-  PetscReal      halves, depth;
+  PetscReal      halves, depth, slope;
   PetscBool      given;
 
   PetscFunctionBegin;
@@ -70,6 +82,8 @@ static PetscErrorCode WaveSetUp(void *owner)
   }
   wave->k       = 2 * PETSC_PI / wave->length;
   depth         = wave->upper[up] - wave->lower[up];
+  wave->second  = 0.5 * wave->k * wave->amplitude * wave->amplitude / PetscTanhReal(wave->k * depth);
+  wave->scale   = wave->amplitude / PetscSinhReal(wave->k * depth);
   wave->stretch = PetscExpReal(PetscAbsReal(wave->k * wave->amplitude) / PetscTanhReal(wave->k * depth));
   halves        = 2 * (wave->upper[0] - wave->lower[0]) / wave->length;
   PetscCheckUser(wave->rings || (halves > 0.5 && PetscAbsReal(halves - PetscFloorReal(halves + 0.5)) < WAVE_ROUNDING),
@@ -79,6 +93,8 @@ static PetscErrorCode WaveSetUp(void *owner)
   PetscCheckUser(PetscAbsReal(wave->k * wave->amplitude) < STEEPNESS_MAX, domain->comm,
                  "-%swave_amplitude is %g m: it must be at most 0.08 of the wave's length", body->prefix,
                  (double)wave->amplitude);
+  for (PetscInt m = 0; m <= WAVE_SAMPLES; m++)
+    wave->sample[m] = WaveSurface(wave, PETSC_PI / wave->k * m / WAVE_SAMPLES, &slope);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,24 +102,13 @@ static PetscErrorCode WaveSetUp(void *owner)
 static void RingFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM])
 {
   const Wave     *wave = (const Wave *)shape;
-  const PetscReal k = wave->k, depth = wave->upper[1] - wave->lower[1], height = x[1] - wave->lower[1],
-                  scale = wave->amplitude / PetscSinhReal(k * depth);
-  PetscReal J0, J1_over_kr;
+  const PetscReal k = wave->k, scale = wave->scale, height = x[1] - wave->lower[1];
+  PetscReal       J0, J1_over_kr;
 
   BesselSeries(-0.25 * k * k * x[0] * x[0], &J0, &J1_over_kr);
   v[0] = -scale * J1_over_kr * k * x[0] * PetscCoshReal(k * height);
   v[1] = scale * J0 * PetscSinhReal(k * height);
   v[2] = 0;
-}
-
-/* Elevation of the surface above the level (m) at s = x - lower[0] (m), and its slope. */
-static PetscReal WaveSurface(const Wave *wave, PetscInt up, PetscReal s, PetscReal *slope)
-{
-  const PetscReal a = wave->amplitude, k = wave->k, depth = wave->upper[up] - wave->lower[up],
-                  second = 0.5 * k * a * a / PetscTanhReal(k * depth);
-
-  *slope = -k * (a * PetscSinReal(k * s) + 2 * second * PetscSinReal(2 * k * s));
-  return a * PetscCosReal(k * s) + second * PetscCosReal(2 * k * s);
 }
 
 /* Signed distance of a point to the surface, negative below. The nearest point is in the same half wave, since the
@@ -117,10 +122,7 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
 
   s = PetscMin(s, 2 * half - s);
   for (PetscInt m = 0; m <= WAVE_SAMPLES; m++) {
-    const PetscReal at = half * m / WAVE_SAMPLES;
-
-    eta    = WaveSurface(wave, up, at, &slope);
-    square = PetscSqr(at - s) + PetscSqr(eta - z);
+    square = PetscSqr(half * m / WAVE_SAMPLES - s) + PetscSqr(wave->sample[m] - z);
     if (square >= best) continue;
     best = square;
     low  = half * PetscMax(m - 1, 0) / WAVE_SAMPLES;
@@ -129,15 +131,15 @@ static PetscReal SurfaceDistance(const Wave *wave, PetscInt up, const PetscReal 
   for (PetscInt n = 0; n < BISECTIONS; n++) {
     const PetscReal middle = 0.5 * (low + high);
 
-    eta = WaveSurface(wave, up, middle, &slope);
+    eta = WaveSurface(wave, middle, &slope);
     if (middle - s + (eta - z) * slope > 0)
       high = middle;
     else
       low = middle;
   }
-  eta    = WaveSurface(wave, up, low, &slope);
+  eta    = WaveSurface(wave, low, &slope);
   square = PetscSqrtReal(PetscMin(best, PetscSqr(low - s) + PetscSqr(eta - z)));
-  return z < WaveSurface(wave, up, s, &slope) ? -square : square;
+  return z < WaveSurface(wave, s, &slope) ? -square : square;
 }
 
 /* With rings: a lower bound of the distance, from the distance to the level before the displacement. */
@@ -177,7 +179,7 @@ static void WaveBounds(Body body, PetscReal lower[DIM], PetscReal upper[DIM])
   if (wave->rings)
     upper[up] += RING_HEIGHT * PetscAbsReal(wave->amplitude);
   else
-    upper[up] += PetscMax(WaveSurface(wave, up, 0, &slope), WaveSurface(wave, up, PETSC_PI / wave->k, &slope));
+    upper[up] += PetscMax(WaveSurface(wave, 0, &slope), WaveSurface(wave, PETSC_PI / wave->k, &slope));
 }
 
 /* The velocity of the linear standing wave times 1 s. It has no divergence and is tangential at bottom and sides. */
@@ -185,12 +187,12 @@ static void WaveFlow(const void *shape, const PetscReal x[DIM], PetscReal v[DIM]
 {
   const Wave     *wave = (const Wave *)shape;
   const PetscInt  up   = wave->up;
-  const PetscReal k = wave->k, depth = wave->upper[up] - wave->lower[up], height = x[up] - wave->lower[up],
-                  scale = wave->amplitude / PetscSinhReal(k * depth), phase = k * (x[0] - wave->lower[0]);
+  const PetscReal k = wave->k, e = PetscExpReal(k * (x[up] - wave->lower[up])), half = 0.5 * wave->scale,
+                  phase = k * (x[0] - wave->lower[0]);
 
   v[1] = v[2] = 0;
-  v[0]        = -scale * PetscSinReal(phase) * PetscCoshReal(k * height);
-  v[up]       = scale * PetscCosReal(phase) * PetscSinhReal(k * height);
+  v[0]        = -half * PetscSinReal(phase) * (e + 1 / e);
+  v[up]       = half * PetscCosReal(phase) * (e - 1 / e);
 }
 
 static void WaveDisplace(Body body, PetscReal x[DIM])
