@@ -210,6 +210,10 @@ void InterruptSilence(double seconds);
 void InterruptAlive(const char doing[]);
 void InterruptCheckpoint(const char path[]);
 
+/* ListGrow - makes room for one more entry of 'bytes' behind the 'count' entries of *list (its address is given; free
+   it with PetscFree). Not collective. */
+PetscErrorCode ListGrow(PetscInt count, PetscInt *capacity, size_t bytes, void *list);
+
 /* GatherAll - all: the address of an array (free it with PetscFree) that gets the n numbers 'own' of each rank, in the
    order of the ranks; *total: how many. GatherTo - the same, or unless 'every' on rank 0 alone: none elsewhere.
    Collective. */

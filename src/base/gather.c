@@ -1,5 +1,14 @@
 #include "base.h"
 
+PetscErrorCode ListGrow(PetscInt count, PetscInt *capacity, size_t bytes, void *list)
+{
+  PetscFunctionBegin;
+  if (count < *capacity) PetscFunctionReturn(PETSC_SUCCESS);
+  *capacity = 2 * *capacity + 64;
+  PetscCall(PetscRealloc((size_t)*capacity * bytes, (void **)list));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode GatherTo(MPI_Comm comm, PetscBool every, PetscInt n, const void *own, MPI_Datatype type, PetscInt *total,
                         void *all)
 {

@@ -117,10 +117,7 @@ static PetscErrorCode Note(const OptionRow *row, const char prefix[], const char
   if (note && !read) PetscFunctionReturn(PETSC_SUCCESS);
   if (!Notes.registered) PetscCall(PetscRegisterFinalize(OptionsForget));
   Notes.registered = PETSC_TRUE;
-  if (!note && Notes.n == Notes.capacity) {
-    Notes.capacity = 2 * Notes.capacity + 256;
-    PetscCall(PetscRealloc((size_t)Notes.capacity * sizeof(*Notes.note), &Notes.note));
-  }
+  if (!note) PetscCall(ListGrow(Notes.n, &Notes.capacity, sizeof(*Notes.note), &Notes.note));
   if (note) PetscCall(PetscFree(note->text));
   if (!note) note = &Notes.note[Notes.n++];
   *note    = (OptionNote){.row = *row, .place = place, .read = read, .given = (PetscBool)(value != NULL)};

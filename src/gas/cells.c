@@ -602,13 +602,11 @@ static PetscErrorCode ListLoads(Domain domain, PetscInt a, PetscInt body, const 
                                 GasLoads *loads)
 {
   PetscFunctionBegin;
-  if (loads->count + load->count > loads->capacity) {
-    loads->capacity = 2 * loads->capacity + 1024;
-    PetscCall(PetscRealloc((size_t)loads->capacity * sizeof(GasLoad), &loads->load));
-  }
   for (PetscInt k = 0; k < load->count; k++) {
-    GasLoad *to = &loads->load[loads->count++];
+    GasLoad *to;
 
+    PetscCall(ListGrow(loads->count, &loads->capacity, sizeof(*to), &loads->load));
+    to  = &loads->load[loads->count++];
     *to = (GasLoad){.dummy = a, .pocket = load->owner[k]};
     for (PetscInt d = 0; d < DIM; d++) to->unit[d] = Bears(domain, body, x, d) ? load->unit[k][d] : 0;
   }

@@ -51,16 +51,6 @@ void GasForget(Gas *gas)
   gas->now.count                                                 = 0;
 }
 
-/* Makes room for one more entry of 'bytes' in a list. */
-static PetscErrorCode Grow(PetscInt count, PetscInt *capacity, size_t bytes, void *list)
-{
-  PetscFunctionBegin;
-  if (count < *capacity) PetscFunctionReturn(PETSC_SUCCESS);
-  *capacity = 2 * *capacity + 1024;
-  PetscCall(PetscRealloc((size_t)*capacity * bytes, (void **)list));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The mean of p ([n_total]) of the liquid around particle a; alone: 0. */
 static PetscReal MeanAround(Cloud cloud, PetscInt a, const PetscReal p[], PetscInt *n)
 {
@@ -93,7 +83,7 @@ static PetscErrorCode FindTies(Gas *gas)
   for (PetscInt a = 0; a < cloud->n_fluid; a++)
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
       if (is[cloud->list[k]] == 0 || cloud->integer[INT_LAYER][cloud->list[k]]) continue;
-      PetscCall(Grow(gas->ties, &gas->ties_capacity, sizeof(*gas->tie), (void *)&gas->tie));
+      PetscCall(ListGrow(gas->ties, &gas->ties_capacity, sizeof(*gas->tie), &gas->tie));
       gas->tie[gas->ties++] = (GasTie){a, cloud->list[k]};
     }
   PetscCall(CloudRestoreWork(cloud, &is));
@@ -134,7 +124,7 @@ static PetscErrorCode AddGaps(const Gas *gas, Pressure pressure, PetscReal share
 static PetscErrorCode AddRow(Gas *gas, const GasRow *row)
 {
   PetscFunctionBegin;
-  PetscCall(Grow(gas->rows, &gas->rows_capacity, sizeof(*gas->row), (void *)&gas->row));
+  PetscCall(ListGrow(gas->rows, &gas->rows_capacity, sizeof(*gas->row), &gas->row));
   gas->row[gas->rows++] = *row;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -196,7 +186,7 @@ static PetscErrorCode AddSights(Gas *gas, PetscInt a, const View *view)
     for (PetscInt d = 0; d < DIM; d++) all.slope[d] += each->slope[d];
   }
   if (all.sum == 0) {
-    PetscCall(Grow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), (void *)&gas->gap));
+    PetscCall(ListGrow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), &gas->gap));
     gas->gap[gas->gaps++] = a;
   }
   for (const Sight *each = view->each; each < view->each + view->n; each++) {
@@ -222,7 +212,7 @@ static PetscErrorCode AddAreas(Gas *gas, PetscInt a, const View *view)
     GasArea *area;
 
     if (each->region == GAS_AIR) continue;
-    PetscCall(Grow(gas->areas, &gas->areas_capacity, sizeof(*gas->area), (void *)&gas->area));
+    PetscCall(ListGrow(gas->areas, &gas->areas_capacity, sizeof(*gas->area), &gas->area));
     area  = &gas->area[gas->areas++];
     *area = (GasArea){.particle = a, .pocket = each->region, .lengthened = part * each->volume};
     for (PetscInt d = 0; d < DIM; d++) area->area[d] = -part * each->area[d];

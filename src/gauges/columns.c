@@ -9,10 +9,7 @@ PetscErrorCode ColumnAdd(ColumnList *list, Column row, const char format[], ...)
   va_list arguments;
 
   PetscFunctionBegin;
-  if (list->count == list->capacity) {
-    list->capacity = 2 * list->capacity + 16;
-    PetscCall(PetscRealloc(sizeof(*list->row) * list->capacity, &list->row));
-  }
+  PetscCall(ListGrow(list->count, &list->capacity, sizeof(*list->row), &list->row));
   va_start(arguments, format);
   PetscCall(PetscVSNPrintf(row.name, sizeof(row.name), format, NULL, arguments));
   va_end(arguments);

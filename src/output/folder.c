@@ -70,10 +70,7 @@ PetscErrorCode FolderNumbers(const char path[], const char prefix[], PetscInt *c
     const PetscInt number = NumberOf(file->d_name, prefix, PETSC_FALSE);
 
     if (number < 0) continue;
-    if (n == capacity) {
-      capacity = 2 * capacity + 16;
-      PetscCall(PetscRealloc(sizeof(*list) * capacity, &list));
-    }
+    PetscCall(ListGrow(n, &capacity, sizeof(*list), &list));
     list[n++] = number;
   }
   if (folder) closedir(folder);

@@ -9,10 +9,7 @@
 static PetscErrorCode EntryAdd(Output output, const SnapshotEntry *entry)
 {
   PetscFunctionBegin;
-  if (output->entries == output->entry_capacity) {
-    output->entry_capacity = 2 * output->entry_capacity + 64;
-    PetscCall(PetscRealloc(sizeof(*output->entry) * output->entry_capacity, &output->entry));
-  }
+  PetscCall(ListGrow(output->entries, &output->entry_capacity, sizeof(*output->entry), &output->entry));
   output->entry[output->entries++] = *entry;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -92,10 +92,7 @@ static PetscErrorCode FindNear(Spread *p)
         const PetscReal r[DIM] = {x[0] - p->x[DIM * b], x[1] - p->x[DIM * b + 1], x[2] - p->x[DIM * b + 2]};
 
         if (Dot(r, r) >= reach * reach) continue;
-        if (used == p->capacity) {
-          p->capacity = 2 * p->capacity + 1024;
-          PetscCall(PetscRealloc(p->capacity * sizeof(PetscInt), &p->list));
-        }
+        PetscCall(ListGrow(used, &p->capacity, sizeof(PetscInt), &p->list));
         p->list[used++] = k; /* the point itself too, for its images */
       }
     } while (CellNext(low, high, cell));

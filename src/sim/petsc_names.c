@@ -17,10 +17,7 @@
 static PetscErrorCode Add(PetscNames *names, const char name[], size_t length)
 {
   PetscFunctionBegin;
-  if (names->n == names->capacity) {
-    names->capacity = 2 * names->capacity + 1000;
-    PetscCall(PetscRealloc((size_t)names->capacity * sizeof(*names->name), &names->name));
-  }
+  PetscCall(ListGrow(names->n, &names->capacity, sizeof(*names->name), &names->name));
   PetscCall(PetscStrncpy(names->name[names->n++], name, PetscMin(length + 1, OPTION_NAME_LENGTH)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -83,10 +83,7 @@ static PetscErrorCode Append(RestWatch *rest, const PetscReal line[])
   PetscReal     *row;
 
   PetscFunctionBegin;
-  if (rest->lines == rest->capacity) {
-    rest->capacity = PetscMax(1024, 2 * rest->capacity);
-    PetscCall(PetscRealloc(rest->capacity * width * sizeof(PetscReal), &rest->curve));
-  }
+  PetscCall(ListGrow(rest->lines, &rest->capacity, (size_t)width * sizeof(PetscReal), &rest->curve));
   row    = rest->curve + width * rest->lines++;
   row[0] = line[0];
   for (PetscInt k = 0; k < rest->names.count; k++) row[1 + k] = line[rest->column[k]];

@@ -262,34 +262,24 @@ static PetscErrorCode TestScene(const Scene_ *s, PetscInt most, const char name[
 
 int main(int argc, char **argv)
 {
-  const Scene_ film   = {3,           {16, 14, 12}, {PETSC_TRUE, PETSC_TRUE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
-                         PETSC_FALSE, PETSC_FALSE};
-  const Scene_ box    = {3,           {15, 15, 15}, {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE}, PETSC_FALSE, PETSC_FALSE,
-                         PETSC_FALSE, PETSC_FALSE};
-  const Scene_ closed = {3,           {12, 12, 9}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_FALSE, PETSC_FALSE,
-                         PETSC_FALSE, PETSC_FALSE};
-  const Scene_ splash = {3,          {16, 14, 10}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE,
-                         PETSC_TRUE, PETSC_FALSE};
-  const Scene_ dam    = {2,          {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_TRUE,
-                         PETSC_TRUE, PETSC_FALSE};
-  const Scene_ narrow = {2,           {6, 80, 1}, {PETSC_TRUE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
-                         PETSC_FALSE, PETSC_FALSE};
-  const Scene_ grains = {2,          {0, 0, 0},  {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
-                         PETSC_TRUE, PETSC_FALSE};
-
-  const Scene_ rings = {2,           {60, 30, 1}, {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE}, PETSC_TRUE, PETSC_FALSE,
-                        PETSC_FALSE, PETSC_TRUE};
+  const PetscBool       yes      = PETSC_TRUE;
+  static const char    *names[]  = {"film",   "periodic_box", "closed_box", "splash",
+                                    "dam_2d", "narrow_2d",    "rings",      "isolated_only"};
+  static const PetscInt most[]   = {20, 20, 20, 22, 25, 25, 18, 3}; /* iterations */
+  const Scene_          scenes[] = {
+             {3, {16, 14, 12}, {yes, yes}, .surface = yes},
+             {3, {15, 15, 15}, {yes, yes, yes}},
+             {3, {12, 12, 9}},
+             {3, {16, 14, 10}, {yes}, .surface = yes, .blob = yes, .isolated = yes},
+             {2, {60, 30, 1}, .surface = yes, .blob = yes, .isolated = yes},
+             {2, {6, 80, 1}, {yes}, .surface = yes},
+             {2, {60, 30, 1}, .surface = yes, .rings = yes},
+             {2, {0, 0, 0}, .surface = yes, .isolated = yes},
+  };
 
   PetscCall(PetscInitialize(&argc, &argv, NULL, NULL));
   PetscCall(PCTwoLevelRegister());
-  PetscCall(TestScene(&film, 20, "film"));
-  PetscCall(TestScene(&box, 20, "periodic_box"));
-  PetscCall(TestScene(&closed, 20, "closed_box"));
-  PetscCall(TestScene(&splash, 22, "splash"));
-  PetscCall(TestScene(&dam, 25, "dam_2d"));
-  PetscCall(TestScene(&narrow, 25, "narrow_2d"));
-  PetscCall(TestScene(&rings, 18, "rings"));
-  PetscCall(TestScene(&grains, 3, "isolated_only"));
+  for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(scenes); c++) PetscCall(TestScene(&scenes[c], most[c], names[c]));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
 }
