@@ -102,6 +102,8 @@ ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("mer
             Entry("squeeze_film"), Entry("shear_under_gravity", size=TEST),
             Entry("shear_under_gravity", "on a mirror", "-box_ymin symmetry", TEST), Entry("stokes_second", size=TEST),
             Entry("heated_cavity"), Entry("heated_cavity", "20 spacings", "-spacing 0.5e-3", TEST),
+            Entry("heated_cavity", "onset, from above", file="onset.opts", size=TEST),
+            Entry("heated_cavity", "onset, from below", "-liquid_thermal_expansion 2.297e-2", file="onset.opts"),
             Entry("marangoni_drop", size=TEST), Entry("marangoni_drop", "layer", file="layer.opts")]
 ENTRIES += [Entry("column"), Entry("column", "newtonian", file="newtonian.opts")]
 
