@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A box shaken along its floor: Stokes' second problem in the frame of the floor, du/dt = A sin(w t) + nu u'', u = 0 at
-the floor: u = A/w (exp(-y/d) cos(w t - y/d) - cos(w t)), d = sqrt(2 nu/w); on two ranks, too. A tank shaken upright weighs
-m (g - a sin(w t)) at the times of its pressures, of both schemes."""
+the floor: u = A/w (exp(-y/d) cos(w t - y/d) - cos(w t)), d = sqrt(2 nu/w); on two ranks, too.
+A tank shaken upright weighs m (g - a sin(w t)) at the times of its pressures, in two schemes."""
 import os
 import sys
 
