@@ -184,11 +184,13 @@ PetscErrorCode OperatorsCompensate(Cloud cloud, const PetscReal weight[], const 
 /* OperatorsDivergence - div[a] = sum V (v_b - v_a).(B_a grad W_ab), 1/s, for owned particles. corrected: the fluid
    takes B_a, else the identity; walls take the identity, and only their pairs with fluid count. Between fluid and wall
    only the velocity normal to the wall's faces counts: otherwise liquid sliding past the lattice of dummy particles
-   would meet a friction that no finer spacing removes (a dam break lost a third of its energy). Liquid that pushes
+   would meet a friction that no finer spacing removes (a dam break lost a third of its energy); nor does liquid count
+   that leaves a face of a solid that it does not cover. Liquid that pushes
    (CloudPushes) is like a wall, with the whole velocity. velocity: [n_total][3],
    a field of the cloud. time_offset (s): the fluid's divergence is extrapolated to the positions after this time, to
    first order: div v - time_offset tr (grad v)^2. Also for the fluid: gradient [n_owned][9] = sum V (v_b - v_a)_i
-   grad_j W, 1/s, without B and walls; jump [n_owned] = largest |v_b - v_a|, m/s. div, gradient and jump may be NULL. */
+   grad_j W, 1/s, without B and walls; jump [n_owned] = largest |v_b - v_a|, m/s. div, gradient and jump may be NULL.
+   Collective. */
 PetscErrorCode OperatorsDivergence(Cloud cloud, const PetscReal velocity[], PetscBool corrected, PetscReal time_offset,
                                    PetscReal div[], PetscReal gradient[], PetscReal jump[]);
 

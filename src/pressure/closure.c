@@ -4,7 +4,6 @@
      doubled         A_aa + sum_b K_ab: Eq. (11) of Kuri et al., after Bockmann et al. 2012
      full_diagonal   A_aa + c max(0, Lambda_0 m/rho - A_aa), Lambda_0 the diagonal of a full lattice: Nair & Tomar 2014
  */
-#include "../scene/body.h"
 #include "pressure_impl.h"
 
 /* ClosureFull gives their sources. */
@@ -66,54 +65,6 @@ PetscReal ClosureFull(Pressure pressure, PetscInt a, PetscReal diagonal)
   normal = cloud->field[FIELD_NORMAL] + DIM * a;
   TensorApply(cloud->field[FIELD_CORRECTION] + 6 * a, normal[0], normal[1], normal[2], n);
   return PetscMax(filling, LEAST * Dot(n, normal) * volume);
-}
-
-/* The least pressure of wall particle a: where liquid on a free surface is near, the mean of its liquid neighbours if
-   they are in tension, else 0. Elsewhere there is no bound. */
-static PetscReal LeastOfWall(Cloud cloud, PetscInt a)
-{
-  const PetscReal *p    = cloud->field[FIELD_PRESSURE];
-  PetscReal        sum  = 0;
-  PetscInt         n    = 0;
-  PetscBool        open = PETSC_FALSE;
-
-  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-    const PetscInt b = cloud->list[k];
-
-    if (cloud->integer[INT_LAYER][b]) continue;
-    open = (PetscBool)(open || cloud->integer[INT_SURFACE][b]);
-    sum += p[b];
-    n++;
-  }
-  return open ? PetscMin(0, sum / n) : PETSC_MIN_REAL;
-}
-
-/* Whether wall particle a is of a free body: its pressure moves the body within the equation. */
-static PetscBool IsOfFreeBody(Cloud cloud, PetscInt a)
-{
-  const PetscInt body = cloud->integer[INT_BODY][a];
-
-  return (PetscBool)(body <= BODY_SOLID && SceneSolid(cloud->scene, BODY_SOLID - body)->free);
-}
-
-/* Liquid that leaves a wall beside emptiness, as a jet that passes the edge of a slot, opens a void, which is no liquid
-   that expands. The rows of the wall's dummy particles cannot tell, and answer with a suction, for any size of the
-   step: it pulled the jet round the edge and held it there. 36 % too wide at half the step and 10 spacings in half the
-   slot, it is 2.4 % with this bound. Zero for liquid in tension, too, would drive it off the wall: a full stirred tank
-   with a void behind its paddle blew up. Free bodies keep their suction, since what moves them has it, too: else
-   momentum was lost, up to 3 % in the impact of a drop. */
-PetscErrorCode ClosureOfWalls(Pressure pressure)
-{
-  const Cloud cloud = pressure->cloud;
-  PetscReal  *p     = cloud->field[FIELD_PRESSURE];
-
-  PetscFunctionBegin;
-  if (pressure->wall_suction || !pressure->free_surface || !PressureTakesDivergence(pressure))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++)
-    if (p[a] < 0 && !IsOfFreeBody(cloud, a)) p[a] = PetscMax(p[a], LeastOfWall(cloud, a));
-  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void PressureLattice(Cloud cloud, PetscReal *diagonal, PetscReal *sum)

@@ -76,7 +76,7 @@ struct _p_Pressure {
   PetscReal layer_density;   /* filled fraction of the first layer less the table's value, 1 */
 
   /* of the closure */
-  PetscBool wall_suction;     /* walls may pull beside a free surface */
+  PetscBool wall_suction;     /* walls may pull by the density source */
   PetscReal lattice_diagonal; /* Lambda_0 of a row with rest density 1, 1/m2 */
   PetscBool free_surface;     /* some particle of some rank is on a free surface or near one */
 
@@ -273,8 +273,6 @@ PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);
 PetscErrorCode SourceDivergence(Pressure, PetscReal, PetscReal[]);
 PetscReal      ClosureDoubled(Pressure, PetscInt, PetscReal);
 PetscReal      ClosureFull(Pressure, PetscInt, PetscReal);
-/* ClosureOfWalls - bounds the suction of walls beside a free surface, after a solution. Collective. */
-PetscErrorCode ClosureOfWalls(Pressure);
 PetscErrorCode GradientSymmetric(Pressure, PetscReal[]);
 PetscErrorCode GradientCorrected(Pressure, PetscReal[]);
 PetscErrorCode GradientConserved(Pressure, PetscReal[]);

@@ -385,7 +385,6 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
     pressure->rebuild = PETSC_TRUE;
   else {
     PetscCall(PressureToCloud(pressure, pressure->solver.x));
-    PetscCall(ClosureOfWalls(pressure));
     for (PetscInt k = 0; k < pressure->low_ranks; k++)
       if (pressure->low_rank[k].term->solved)
         PetscCall(pressure->low_rank[k].term->solved(pressure->low_rank[k].context, pressure));

@@ -106,6 +106,17 @@ series = runs.series(runs.run(FALL, "periodic_fall"))
 speed = np.sqrt(2 * series["kinetic_energy"][-1] / (1000 * 2 * 2))
 runs.check_within(speed / (1 + GRAVITY * series["time"][-1]), 1 - 1e-4, 1 + 1e-4, "speed_of_a_periodic_fall")
 runs.check_below(series["highest"].max(), 2.25, "highest_particle_of_a_periodic_fall")
+# a sheet without viscosity leaves the edge of a plate: it goes straight on and pulls at nothing
+SPEED = 0.5
+SHEET = f"""-dimension 2 -spacing 1e-3 -box_lower -30e-3,-20e-3 -box_upper 40e-3,20e-3 -bodies a,b -a_lower -25e-3,0
+ -a_upper 0,8e-3 -a_velocity {SPEED},0 -b_type emitter -b_lower -30e-3,0 -b_upper -25e-3,8e-3 -b_velocity {SPEED},0
+ -solids plate -plate_lower -30e-3,-6e-3 -plate_upper 0,0 -gauge_forces -time_end 0.1 -checkpoint_interval 0"""
+folder = runs.run(SHEET, "sheet")
+last = runs.fields(runs.numbered(folder, "snapshot")[-1])
+gone = (last["body"] >= 0) & (last["position"][:, 0] > 5e-3)
+runs.check_below(np.abs(last["velocity"][gone].mean(axis=0) / SPEED - (1, 0, 0)).max(), 0.01, "a_sheet_goes_straight_on")
+pull = runs.series(folder)["force_plate_y_Nm"][-20:].mean()
+runs.check_below(abs(pull) / (1000 * SPEED**2 * 8e-3), 0.01, "a_sheet_pulls_at_no_edge")
 # Syrup falls into a tank whose walls have a contact angle; spacings grow away from the middle of the floor. Each
 # particle's images in the walls are those within its own support: with the support of another one a coarse particle had
 # a slope of the pressure of 1e28 Pa/m.
