@@ -4,16 +4,17 @@
 #include "../scene/body.h"
 #include "operators.h"
 
-/* Least cosine between a dummy particle's normal and the direction to its liquid, where its face is covered. A sheet
-   that leaves an edge along one of two faces has 0.71 at the edge and 0 behind the other face; 0.85 and 0.95 give the
-   same sheet to 0.1 %. */
-#define COVERED 0.85
+/* Cosines between the normal of a dummy particle, of either sign, and the direction to its liquid, below and above
+   which the liquid does not cover its face and does. A sheet that leaves an edge along one of two faces has 0.71 at the
+   edge and 0 behind the other face; it is the same to 0.1 % with a jump at 0.85 or 0.95. */
+#define BARE    0.75
+#define COVERED 0.9
 
-/* bare[b] is 1 at dummy particles of solids whose faces the liquid does not cover, else 0. Liquid that leaves such a
-   face, as a jet that passes an edge, opens a void, which is no liquid that expands. Counted as a divergence it is a
-   suction at the edge, for any size of the step: a sheet that leaves a plate turns down by 7 % of its speed, and a slot
-   jet is 33 % too wide with 5 spacings in half the slot. Faces of free bodies pull, since what moves them
-   (OperatorsSolidDivergence) is linear in their velocity. Ghosts, too; collective. */
+/* bare[b] is 1 at dummy particles of solids whose faces the liquid does not cover, 0 where it does and at others.
+   Liquid that leaves such a face, as a jet that passes an edge, opens a void, which is no liquid that expands. Counted
+   as a divergence it is a suction at the edge, for any size of the step: a sheet that leaves a plate turns down by 7 %
+   of its speed, and a slot jet is 33 % too wide with 5 spacings in half the slot. Faces of free bodies pull, since what
+   moves them (OperatorsSolidDivergence) is linear in their velocity. Ghosts, too; collective. */
 static PetscErrorCode FindBare(Cloud cloud, PetscReal bare[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
@@ -34,24 +35,25 @@ static PetscErrorCode FindBare(Cloud cloud, PetscReal bare[])
       for (PetscInt d = 0; d < DIM && !cloud->integer[INT_LAYER][a]; d++)
         m[d] += row.f[k] * (x[DIM * b + d] - x[DIM * a + d]);
     }
-    bare[b] = Dot(m, cloud->solid_normal + DIM * b) < COVERED * Norm(m);
+    if (Norm(m) > 0)
+      bare[b] =
+        PetscClipInterval((COVERED - PetscAbsReal(Dot(m, cloud->solid_normal + DIM * b)) / Norm(m)) / (COVERED - BARE),
+                          0, 1);
   }
   PetscCall(HaloUpdate(cloud->halo, 1, PARITY_SCALAR, bare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The part of a velocity u (m/s) normal to the wall of dummy particle b; of = 1: of liquid, seen from the wall, -1: of
-   the wall, seen from liquid. For a wall of the box: the components in the directions in which b is behind a face. For
-   a solid: the component along its normal. */
-static inline void WallPart(Cloud cloud, PetscReal of, const PetscReal bare[], PetscInt b, const PetscReal u[DIM],
+/* The part of a velocity u (m/s) normal to the wall of dummy particle b. For a wall of the box: the components in the
+   directions in which b is behind a face. For a solid: the component along its normal, none at a bare face. */
+static inline void WallPart(Cloud cloud, const PetscReal bare[], PetscInt b, const PetscReal u[DIM],
                             PetscReal part[DIM])
 {
   const Domain     domain = cloud->domain;
   const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * b;
 
   if (cloud->solid_normal && cloud->integer[INT_BODY][b] <= BODY_SOLID) {
-    const PetscReal *n = cloud->solid_normal + DIM * b, normal = Dot(u, n),
-                    along = bare[b] > 0 && of * normal > 0 ? 0 : normal;
+    const PetscReal *n = cloud->solid_normal + DIM * b, along = (1 - bare[b]) * Dot(u, n);
 
     for (PetscInt d = 0; d < DIM; d++) part[d] = along * n[d];
     return;
@@ -76,7 +78,7 @@ static void RemoveWalls(Cloud cloud, const PetscReal bare[], PetscInt a, const P
 
     if (!cloud->integer[INT_LAYER][b]) continue;
     for (PetscInt i = 0; i < DIM; i++) u[i] = velocity[DIM * b + i] - velocity[DIM * a + i];
-    WallPart(cloud, -1, bare, b, u, part);
+    WallPart(cloud, bare, b, u, part);
     for (PetscInt i = 0; i < DIM; i++)
       for (PetscInt j = 0; j < DIM; j++) {
         const PetscReal fr = row->f[k] * (x[DIM * a + j] - x[DIM * b + j]);
@@ -101,7 +103,7 @@ static PetscReal WallDivergence(Cloud cloud, const PetscReal bare[], PetscInt a,
 
     if (CloudBounds(cloud, b)) continue;
     for (PetscInt d = 0; d < DIM; d++) part[d] = u[d] = velocity[DIM * b + d] - velocity[DIM * a + d];
-    if (cloud->integer[INT_LAYER][a]) WallPart(cloud, 1, bare, a, u, part);
+    if (cloud->integer[INT_LAYER][a]) WallPart(cloud, bare, a, u, part);
     for (PetscInt d = 0; d < DIM; d++) sum += row->f[k] * part[d] * (x[DIM * a + d] - x[DIM * b + d]);
   }
   return sum;

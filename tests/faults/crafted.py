@@ -106,8 +106,8 @@ def judge(what, name, code, err, must, folder, words=()):
 # --- checkpoints ---
 
 REALS = ("time", "time_step", "pressure_time", "previous_time_step", "density_error", "density_mean", "solver_error",
-         "surface_energy", "viscous_work", "tension_work", "start_energy", "start_density", "divergence",
-         "spacing", "level", "wall_time", "resampling_loss", "solid_work", "drive_work", "inflow_energy", "outflow_energy",
+         "surface_energy", "viscous_work", "tension_work", "start_energy", "start_density", "divergence", "spacing",
+         "level", "wall_time", "resampling_loss", "solid_work", "drive_work", "inflow_energy", "outflow_energy",
          "friction_work", "kinetic_energy", "given", "taken", "tension_swing")
 INTS = ("dimension", "bodies", "particles", "ranks", "step", "iterations", "rejected", "lost", "joined", "split",
         "format_version")
