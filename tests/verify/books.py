@@ -91,12 +91,16 @@ def solids():
 
 
 def at_rest():
-    # Nothing is exchanged in a tank at rest: its books are no share of it, and no option is named.
-    for name, more in (("walls", "-box_xmax wall"), ("outlet", "-box_xmax_level 0.5")):
+    # Nothing is exchanged in a tank at rest: its books are no share of it, and no option is named; nor does a plate
+    # that creeps above liquid without a weight give it anything.
+    for name, more in (("walls", "-box_xmax wall"), ("outlet", "-box_xmax_level 0.5"),
+                       ("weightless", "-box_xmax wall -gravity 0,0 -solids p -p_lower 0.4,0.56 -p_upper 0.6,0.66 "
+                                      "-p_velocity 0,-1e-3 -time_step 1e-3")):
         path = runs.run(TANK + more + " -box_ymin wall -time_end 0.4" + QUIET, f"rest_{name}")
         with open(os.path.join(path, "log.txt"), encoding="utf-8") as log:
-            line = log.read().split("residual")[1].split("\n")[0]
+            line, after = log.read().split("residual")[1].split("\n")[:2]
         runs.check("within the error" in line and "%" not in line, f"a tank at rest, {name}: its residual", line)
+        runs.check("tolerance" not in after, f"a tank at rest, {name}: its verdict", after)
 
 
 PARTS = {"solids": solids, "at_rest": at_rest, "periodic": periodic, "emitters": emitters, "gas": gas,
