@@ -25,7 +25,7 @@
 #include <stdlib.h>
 
 #define CLOSE   1     /* spacings, largest gap of a place that may touch in a step, beside the way of the step */
-#define LET_OUT 0.2   /* of an overlap, in a step (Catto 2005) */
+#define LET_OUT 0.2   /* of an overlap, in a step of the usual size (Catto 2005) */
 #define SWEEPS  200   /* at most */
 #define DONE    1e-10 /* largest change of a velocity in the last sweep, over the largest velocity */
 /* spacings to the sides within which a surface is plane: the first dummy particle is at half of one */
@@ -419,9 +419,9 @@ static PetscReal Rebound(const Place *place, PetscReal spacing, PetscReal reboun
 
 /* Sets the aims of the places, and raises 'fastest' (m/s) to their largest velocity. first[pairs]: the gap (m) of the
    first place of a pair that hits, else -PETSC_MAX_REAL; approach[n]: m/s, into the other one. */
-static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal leave, const PetscReal motion[],
-                    PetscInt pairs, PetscReal first[], PetscInt n, PetscReal approach[], Place place[],
-                    PetscReal *fastest)
+static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal usual, PetscReal leave,
+                    const PetscReal motion[], PetscInt pairs, PetscReal first[], PetscInt n, PetscReal approach[],
+                    Place place[], PetscReal *fastest)
 {
   for (PetscInt p = 0; p < pairs; p++) first[p] = -PETSC_MAX_REAL; /* the pair does not hit */
   for (PetscInt k = 0; k < n; k++) {
@@ -434,7 +434,7 @@ static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal leav
     *fastest    = PetscMax(*fastest, Norm(v));
     approach[k] = -Dot(v, place[k].n);
     if (gap < 0)
-      place[k].aim = -LET_OUT * gap / dt;
+      place[k].aim = -LET_OUT * gap / usual;
     else if (rebound > 0)
       place[k].aim = -gap / dt;
     else
@@ -472,8 +472,8 @@ static void FindTogether(Scene scene, PetscReal least, const PetscReal first[], 
   }
 }
 
-PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal leave, PetscReal motion[],
-                         PetscReal sum[], HitTogether *hit)
+PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal usual, PetscReal leave,
+                         PetscReal motion[], PetscReal sum[], HitTogether *hit)
 {
   const Scene     scene  = cloud->scene;
   const PetscInt  solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
@@ -486,7 +486,7 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal le
   PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * SceneSolidCount(scene)));
   PetscCall(FindPlaces(cloud, time, motion, dt, &n, &place));
   PetscCall(PetscMalloc2(pairs, &first, n, &approach));
-  SetAims(scene, spacing, dt, leave, motion, pairs, first, n, approach, place, &fastest);
+  SetAims(scene, spacing, dt, usual, leave, motion, pairs, first, n, approach, place, &fastest);
   for (PetscInt sweep = 0; sweep < SWEEPS && change > DONE * fastest; sweep++) {
     change = 0;
     for (PetscInt k = 0; k < n; k++) {

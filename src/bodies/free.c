@@ -68,8 +68,8 @@ static PetscErrorCode Predict(const Step *step)
     FreeResponse(solid, impulse, change);
     for (PetscInt k = 0; k < RIGID_MOTIONS; k++) motion[k] += change[k];
   }
-  PetscCall(
-    FreeTouch(cloud, step->time + dt, dt, PressureRelaxationTime(step->pressure), motions, data->contact, &data->hit));
+  PetscCall(FreeTouch(cloud, step->time + dt, dt, step->usual, PressureRelaxationTime(step->pressure), motions,
+                      data->contact, &data->hit));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0)
       FreeSetVelocities(cloud, b, motions + RIGID_MOTIONS * b, cloud->field[FIELD_VELOCITY_STAR]);

@@ -89,6 +89,7 @@ typedef struct {
   StepTrial *trial;   /* the trial of the step; between steps the last one */
   PetscReal  time;    /* s, at the start of the step */
   PetscReal  dt;      /* s, the size of the step */
+  PetscReal  usual;   /* s, the larger one of it and of the step before: a last step, or one tried again, is shorter */
   PetscBool  first;   /* the step is the first of a run: what moves starts with it */
   PetscReal  damping; /* the factor on velocities in each step of a relaxation; 1 in a run */
   const struct _Edge *const *edge;    /* the edge in the list */

@@ -344,6 +344,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   stepper->now.first = (PetscBool)(state->step == 0);
   stepper->now.time  = state->time;
   stepper->now.dt    = dt;
+  stepper->now.usual = state->previous_time_step;
   *failed            = PETSC_TRUE;
   if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
     PetscCall(PetscSNPrintf(why, length,

@@ -338,10 +338,10 @@ PetscErrorCode StepSize(Stepper stepper, const StepState *state, PetscReal end, 
   stepper->fastest = PetscMax(extreme[FASTEST], extreme[FASTEST_SPRAY]);
   step             = ChooseStep(stepper, state);
   /* Avoid a tiny last step, whose pressure would be noise over dt. The last step includes what round-off leaves in the
-     sum of a million steps; if the step is chosen, the last two steps are equal. */
+     sum of a million steps; the last two steps are equal. */
   if (left <= step * (1 + LAST_LONGER))
     step = left;
-  else if (left < 2 * step && stepper->limits.fixed == 0)
+  else if (left < 2 * step * (1 - LAST_LONGER))
     step = 0.5 * left;
   *dt = step;
   PetscFunctionReturn(PETSC_SUCCESS);

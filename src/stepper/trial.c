@@ -29,8 +29,9 @@ static PetscBool IsUnderresolved(Stepper stepper, PetscInt a)
 StepTrial *TrialStart(Stepper stepper, PetscReal dt, PetscBool diagnose)
 {
   for (PetscInt k = 0; k < stepper->edge_sum_count; k++) stepper->edge_sums[k] = 0;
-  stepper->now.dt = dt;
-  stepper->result = (StepTrial){.diagnose = diagnose};
+  stepper->now.dt    = dt;
+  stepper->now.usual = PetscMax(dt, stepper->now.usual);
+  stepper->result    = (StepTrial){.diagnose = diagnose};
   return &stepper->result;
 }
 

@@ -30,7 +30,7 @@ static PetscErrorCode Touch(const char options[], const PetscReal given[][DIM], 
     for (PetscInt d = 0; d < 2; d++) motion[RIGID_MOTIONS * k + d] = given[k][d];
     motion[RIGID_MOTIONS * k + turning] = given[k][2];
   }
-  PetscCall(FreeTouch(s.cloud, 0, DT, LEAVE, motion, sum, hit ? hit : &none));
+  PetscCall(FreeTouch(s.cloud, 0, DT, DT, LEAVE, motion, sum, hit ? hit : &none));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

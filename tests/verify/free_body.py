@@ -130,4 +130,10 @@ s = runs.series(runs.run("""-dimension 2 -spacing 0.0125 -box_lower 0,0 -box_upp
  -time_end 0.3 -series_interval 0.01 -checkpoint_interval 0""", "sunk"))
 place, = (n for n in s.dtype.names if n.startswith("block_y"))
 runs.check_below(s[place][-1], 0.045, "the box has come to the floor of a full vessel")
+# A box floats against a wall. The end of a run, wherever it is between two steps, does not push it off.
+for end in (0.5, 0.50002, 0.5005):
+    s = runs.series(runs.run(f"""-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 1,0.6 -box_x wall -box_ymin wall
+ -gravity 0,-9.81 -bodies water -water_upper 1,0.3 -solids float -float_lower 0.78,0.22 -float_upper 0.98,0.38
+ -float_mass 16 -float_velocity 0.3,0 -time_step 2e-3 -time_end {end} -checkpoint_interval 0""", f"end_{end}"))
+    runs.check_below(abs(s["float_velocity_x_ms"][-1]), 0.01, f"speed of a box at a wall, end at {end} s")
 runs.done()
