@@ -160,8 +160,7 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
   const char        *by[2];
 
   PetscFunctionBegin;
-  if (data->said || !hit->seen) PetscFunctionReturn(PETSC_SUCCESS);
-  data->said = PETSC_TRUE;
+  if (!hit->seen) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt k = 0; k < 2; k++) by[k] = hit->by[k] < 0 ? "a wall" : BodyName(SceneSolid(scene, hit->by[k]));
   PetscCall(PetscSNPrintf(text, length,
                           "%s is between %s and %s in a hit: its impulses act at once, so a row of balls shares the "

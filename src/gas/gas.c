@@ -208,8 +208,7 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
   Gas *gas = (Gas *)step->own;
 
   PetscFunctionBegin;
-  if (!gas->crowded || gas->said) PetscFunctionReturn(PETSC_SUCCESS);
-  gas->said = PETSC_TRUE;
+  if (!gas->crowded) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
     PetscSNPrintf(text, length,
                   "there are more than %d pockets of gas, the most that are computed: the others, the smallest, "

@@ -178,10 +178,10 @@ typedef struct {
   GasCells  cells[2];
   Pockets   now, before; /* of this trial; of the last step */
   PetscBool before_known, found, solved;
-  PetscInt  resumed;       /* pockets of the checkpoint that is continued, while they are found again; else 0 */
-  PetscBool same;          /* those of this trial are those of the last step, with its cells */
-  PetscBool crowded, said; /* there are more than GAS_MOST regions; the run has said so */
-  PetscInt  idle;          /* steps since pockets were looked for */
+  PetscInt  resumed; /* pockets of the checkpoint that is continued, while they are found again; else 0 */
+  PetscBool same;    /* those of this trial are those of the last step, with its cells */
+  PetscBool crowded; /* there are more than GAS_MOST regions */
+  PetscInt  idle;    /* steps since pockets were looked for */
   PetscInt  born, split, merged, ended; /* in this step */
   PetscReal enclosed, vented, lost;     /* in this step */
   PetscReal unseen;                     /* in this step, its work by changes of volume that no flux tells, J */

@@ -6,7 +6,7 @@
 #define LASTING 80 /* OFTEN for each step with one, less the others: a few heal; no reference */
 
 typedef struct {
-  PetscBool frozen, said;
+  PetscBool frozen;
   PetscInt  lasting;        /* see LASTING */
   PetscReal least, at[DIM]; /* Pa, the mean pressure of the liquid around, and where, of this rank since then */
 } Opening;
@@ -17,8 +17,7 @@ typedef struct {
 
 static PetscBool On(const Step *step)
 {
-  return (PetscBool)(!((const Gas *)StepperOwn(step->stepper, &GaugePockets))->on &&
-                     !((const Opening *)step->own)->said);
+  return (PetscBool) !((const Gas *)StepperOwn(step->stepper, &GaugePockets))->on;
 }
 
 static PetscErrorCode Freeze(const Step *step, PetscBool frozen)
@@ -77,8 +76,18 @@ static PetscErrorCode Commit(const Step *step, StepState *state)
   PetscFunctionBegin;
   opening->lasting += sums->rows > 0 && sums->surface > 0 ? OFTEN : -PetscMin(1, opening->lasting);
   if (!opening->lasting) opening->least = 0;
+  *(PetscInt *)StepNumbers(step, state) = opening->lasting;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscErrorCode Renew(const Step *step, PetscBool resumed, StepState *state)
+{
+  PetscFunctionBegin;
+  ((Opening *)step->own)->lasting = *(PetscInt *)StepNumbers(step, state);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const NumberRow rows[] = {{"opening_lasting", NUMBER_COUNT, 0, ENERGY_NONE, NULL}, {.name = NULL}};
 
 static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 {
@@ -91,7 +100,6 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
 
   PetscFunctionBegin;
   if (opening->lasting < LASTING) PetscFunctionReturn(PETSC_SUCCESS);
-  opening->said = PETSC_TRUE;
   PetscCallMPI(MPI_Comm_rank(comm, &lowest.rank));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_DOUBLE_INT, MPI_MINLOC, comm));
   PetscCallMPI(MPI_Bcast(opening->at, DIM, MPIU_REAL, lowest.rank, comm));
@@ -102,11 +110,14 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const Edge OpeningEdge = {.name      = "opening",
-                          .data_size = sizeof(Opening),
-                          .sums      = sizeof(OpeningSums) / sizeof(PetscReal),
-                          .on        = On,
-                          .freeze    = Freeze,
-                          .surround  = Surround,
-                          .commit    = Commit,
-                          .doubt     = Doubt};
+const Edge OpeningEdge = {.name        = "opening",
+                          .data_size   = sizeof(Opening),
+                          .sums        = sizeof(OpeningSums) / sizeof(PetscReal),
+                          .number_size = sizeof(PetscInt),
+                          .numbers     = rows,
+                          .on          = On,
+                          .freeze      = Freeze,
+                          .surround    = Surround,
+                          .commit      = Commit,
+                          .renew       = Renew,
+                          .doubt       = Doubt};

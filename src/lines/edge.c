@@ -5,7 +5,6 @@
 
 typedef struct {
   PetscReal fastest; /* largest capillary number of a line in the step, of this rank */
-  PetscBool said;    /* by Doubt */
 } Line;
 
 static PetscBool On(const Step *step)
@@ -32,10 +31,9 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
   PetscReal Ca;
 
   PetscFunctionBegin;
-  if (line->said || TensionHasLaw(step->tension)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (TensionHasLaw(step->tension)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Allreduce(&line->fastest, &Ca, 1, MPIU_REAL, MPIU_MAX, step->cloud->comm));
   if (Ca < FAST_LINE) PetscFunctionReturn(PETSC_SUCCESS);
-  line->said = PETSC_TRUE;
   PetscCall(PetscSNPrintf(text, length,
                           "a contact line moves at the capillary number %.2g with the angle of a line at rest, so "
                           "liquid spreads too far and recedes too slowly; -wall_contact_law has other angles",

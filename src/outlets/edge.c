@@ -225,8 +225,7 @@ static PetscErrorCode Doubt(const Step *step, char text[], size_t length)
   const PetscInt f       = outlets->higher - 1;
 
   PetscFunctionBegin;
-  if (f < 0 || outlets->said) PetscFunctionReturn(PETSC_SUCCESS);
-  outlets->said = PETSC_TRUE;
+  if (f < 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(text, length,
                           "the outside of %s presses more than the liquid inside: liquid would enter there, but none "
                           "does, so a gap opens at the face; an emitter (-<body>_type emitter) brings liquid",

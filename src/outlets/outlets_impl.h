@@ -35,7 +35,6 @@ typedef struct {
   PetscReal     gravity[DIM], density; /* m/s2, kg/m3 */
   PetscReal     speed;                 /* m/s, that the largest pressure outside can give */
   PetscInt      higher;                /* the first outlet through which liquid would enter, from 1 on; 0: none */
-  PetscBool     said;                  /* by Doubt */
   OutletNumbers so_far;                /* a copy of the state's */
 } Outlets;
 

@@ -57,7 +57,7 @@ static PetscErrorCode SayDoubt(Sim sim)
   char text[DOUBT_LENGTH], now[TIME_LENGTH];
 
   PetscFunctionBegin;
-  PetscCall(StepperDoubt(sim->stepper, text, sizeof(text)));
+  PetscCall(StepperDoubt(sim->stepper, &sim->state, text, sizeof(text)));
   if (text[0])
     PetscCall(PetscPrintf(sim->comm, "%st = %s: %s\n", isatty(STDOUT_FILENO) ? "\n" : "",
                           TimeText(sim, sim->state.time, now), text));

@@ -185,7 +185,8 @@ typedef struct _Edge {
   PetscErrorCode (*commit)(const Step *step, StepState *state);
   /* see StepperBring */
   PetscErrorCode (*bring)(const Step *step, Packing packing, Gauges gauges, PetscBool resumed, StepState *state);
-  /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it, once in a run */
+  /* after a step: 'text' says in a sentence of at most 'length' bytes what is doubtful about it; not called again in
+     the run once it has */
   PetscErrorCode (*doubt)(const Step *step, char text[], size_t length);
   /* the cloud has been made anew from the stored fields, for a checkpoint or after one has been read (resumed): what
      follows must depend on these fields and the edge's numbers alone, so that a restart goes on like the run */

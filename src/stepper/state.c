@@ -20,6 +20,7 @@ const NumberRow StateRows[] = {
   NUMBER(iterations, NUMBER_COUNT),
   NUMBER(rejected, NUMBER_COUNT),
   NUMBER(lost, NUMBER_COUNT),
+  NUMBER(said, NUMBER_COUNT),
   NUMBER(density_error, NUMBER_REAL),
   NUMBER(density_mean, NUMBER_REAL),
   NUMBER(start_density, NUMBER_REAL),

@@ -247,13 +247,21 @@ PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM])
   return pressure;
 }
 
-PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length)
+PetscErrorCode StepperDoubt(Stepper stepper, StepState *state, char text[], size_t length)
 {
+  Step     step = StepFirst(stepper);
+  PetscInt bit  = 1;
+
   PetscFunctionBegin;
   text[0] = 0;
-  for (Step step = StepFirst(stepper); *step.edge && !text[0]; StepNext(&step))
-    if ((*step.edge)->doubt && StepHas(&step)) PetscCall((*step.edge)->doubt(&step, text, length));
-  if (!text[0]) TimeStepDoubt(stepper, text, length);
+  for (; *step.edge && !text[0]; StepNext(&step), bit <<= 1) {
+    if ((*step.edge)->doubt && !(state->said & bit) && StepHas(&step))
+      PetscCall((*step.edge)->doubt(&step, text, length));
+    if (text[0]) state->said |= bit;
+  }
+  if (text[0] || state->said & bit) PetscFunctionReturn(PETSC_SUCCESS);
+  TimeStepDoubt(stepper, text, length);
+  if (text[0]) state->said |= bit;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

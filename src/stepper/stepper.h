@@ -34,6 +34,7 @@ typedef struct {
   PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */
+  PetscInt  said;               /* bits: which have said what they doubt, StepperDoubt */
   PetscInt  lost;               /* particles that left through open faces so far */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
   PetscReal edge[2048];         /* numbers of the edges of a step: StepEdgeNumbers */
@@ -169,9 +170,9 @@ PetscInt StepperUnderresolved(Stepper stepper);
 /* StepperBeside - the pressure (Pa, over that of the open air) at x (m), where no liquid is, after the last step. Not
    collective. */
 PetscReal StepperBeside(Stepper stepper, const PetscReal x[DIM]);
-/* StepperDoubt - what an edge says about the last step, or once that -time_step is far beyond a bound, in a sentence of
-   at most 'length' bytes; mostly empty. Collective. */
-PetscErrorCode StepperDoubt(Stepper stepper, char text[], size_t length);
+/* StepperDoubt - what an edge says about the last step, or that -time_step is far beyond a bound, each once in a run
+   and its restarts (state), in a sentence of at most 'length' bytes; mostly empty. Collective. */
+PetscErrorCode StepperDoubt(Stepper stepper, StepState *state, char text[], size_t length);
 /* StepperBring - adds the liquid that bodies bring up to the state's time, and its energy to the state; gauges NULL:
    not its energy, before the run. resumed: only counts what the run brought before it was continued. Collective.
    StepperFilling - the number of particles (may be NULL) of one filling of a body, by its index, and their volume (m3,

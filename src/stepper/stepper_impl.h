@@ -86,7 +86,6 @@ struct _p_Stepper {
   PetscBool          relaxing;           /* StepperSetRelaxation: no body force */
   PetscReal          relaxation_step;    /* s; 0: as in the run */
   PetscInt           underresolved;      /* StepperUnderresolved */
-  PetscBool          doubted;            /* -time_step, by TimeStepDoubt */
   /* chosen by the scheme at its creation */
   PetscBool no_slip;          /* default of -viscosity_wall: no slip at the wall's face */
   PetscReal relaxation_ratio; /* time in which density errors are corrected, over h/U of the scene */

@@ -424,12 +424,11 @@ void TimeStepDoubt(Stepper stepper, char text[], size_t length)
   StepBound       rows[STEP_BOUNDS];
   const PetscInt  n = StepperBounds(stepper, rows);
 
-  for (PetscInt k = 1; k < n && fixed > 0 && !stepper->doubted; k++) {
+  for (PetscInt k = 1; k < n && fixed > 0 && !text[0]; k++) {
     if (fixed <= UNSTABLE * rows[k].step) continue;
     (void)snprintf(text, length,
                    "warning: -time_step %g s is %.3g times what %s allows, %.3g s: the run may be unstable",
                    (double)fixed, (double)(fixed / rows[k].step), rows[k].cause, (double)rows[k].step);
-    stepper->doubted = PETSC_TRUE;
   }
 }
 

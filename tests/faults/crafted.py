@@ -110,11 +110,11 @@ REALS = ("time", "time_step", "pressure_time", "previous_time_step", "density_er
          "level", "wall_time", "resampling_loss", "solid_work", "drive_work", "inflow_energy", "outflow_energy",
          "friction_work", "kinetic_energy", "given", "taken", "tension_swing")
 INTS = ("dimension", "bodies", "particles", "ranks", "step", "iterations", "rejected", "lost", "joined", "split",
-        "format_version")
+        "said", "opening_lasting", "format_version")
 FIELDS = ("position", "velocity", "pressure", "density", "lambda")
 NUMBERS = ("id", "body", "layer", "parent", "surface")
 LARGE = (-2**63, -2**31, -1, 2**31 - 1, 2**31, 2**32, 2**63 - 1)
-COUNTED = ("step", "iterations", "rejected", "lost", "joined", "split")  # any number of them is possible
+COUNTED = ("step", "iterations", "rejected", "lost", "joined", "split", "said", "opening_lasting")  # any number of them is possible
 UNSEEN = {("divergence", "nan"), ("level", "nan")}  # a run may leave these
 
 

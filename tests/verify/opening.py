@@ -33,6 +33,12 @@ for processes in (1, 3):
     for pressure, x, y in found:
         runs.check(0.28 < x < 0.52 and y > 0.42, "and where: in the crest", (x, y))
         runs.check_within(-pressure / WATER / GRAVITY, 0.44 - 0.25, 0.51 - 0.1, "and its tension")
+for until in (0.05, 0.28):  # before and after it is said
+    first = said(SIPHON + f"-time_end {until}", f"until_{until}")
+    again = said(SIPHON + f"-time_end 0.3 -restart {runs.numbered(runs.scratch(f'until_{until}'), 'checkpoint')[-1]}",
+                 f"from_{until}")
+    runs.check((len(first), len(again)) == ((0, 1) if until < 0.1 else (1, 0)), f"a restart at {until} s says no more",
+               (first, again))
 runs.check(not said(LOW + "-time_end 0.3", "low"), "a pipe below the level does not open")
 runs.check(not said(SIPHON + "-time_end 0.3 -gas", "gas"), "nor is anything said with -gas")
 DAM = ALL + "-box_upper 0.8,0.8 -bodies water -water_upper 0.2,0.4 -time_end 0.8 "
