@@ -35,7 +35,7 @@ for processes in (1, 3):
         runs.check_within(-pressure / WATER / GRAVITY, 0.44 - 0.25, 0.51 - 0.1, "and its tension")
 for until in (0.05, 0.28):  # before and after it is said
     first = said(SIPHON + f"-time_end {until}", f"until_{until}")
-    again = said(SIPHON + f"-time_end 0.3 -restart {runs.numbered(runs.scratch(f'until_{until}'), 'checkpoint')[-1]}",
+    again = said(SIPHON + f"-time_end 0.5 -restart {runs.numbered(runs.scratch(f'until_{until}'), 'checkpoint')[-1]}",
                  f"from_{until}")
     runs.check((len(first), len(again)) == ((0, 1) if until < 0.1 else (1, 0)), f"a restart at {until} s says no more",
                (first, again))
