@@ -191,12 +191,15 @@ static PetscErrorCode Report(const StepState *of, char text[REPORT])
   sim.domain   = run.domain;
   sim.scene    = run.scene;
   sim.gauges   = run.gauges;
+  sim.cloud    = run.cloud;
+  PetscCall(PressureCreate(run.cloud, &sim.pressure));
   PETSC_STDOUT = tmpfile();
   PetscCall(BudgetReport(&sim));
   rewind(PETSC_STDOUT);
   text[fread(text, 1, REPORT - 1, PETSC_STDOUT)] = 0;
   (void)fclose(PETSC_STDOUT);
   PETSC_STDOUT = out;
+  PetscCall(PressureDestroy(&sim.pressure));
   PetscCall(RunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
