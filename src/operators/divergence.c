@@ -1,5 +1,4 @@
 /* The divergence of a velocity field. Sliding along walls does not count. */
-#include "../neighbors/halo.h"
 #include "../neighbors/pairs.h"
 #include "../scene/body.h"
 #include "operators.h"
@@ -40,7 +39,7 @@ static PetscErrorCode FindBare(Cloud cloud, PetscReal bare[])
         PetscClipInterval((COVERED - PetscAbsReal(Dot(m, cloud->solid_normal + DIM * b)) / Norm(m)) / (COVERED - BARE),
                           0, 1);
   }
-  PetscCall(HaloUpdate(cloud->halo, 1, PARITY_SCALAR, bare));
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, bare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,8 +34,8 @@ typedef struct {
   PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */
-  PetscInt  said;               /* bits: which have said what they doubt, StepperDoubt */
   PetscInt  lost;               /* particles that left through open faces so far */
+  PetscInt  said;               /* bits: which have said what they doubt, StepperDoubt */
   PetscReal previous_time_step; /* the step's history that a restart needs, s */
   PetscReal edge[2048];         /* numbers of the edges of a step: StepEdgeNumbers */
 } StepState;

@@ -42,8 +42,8 @@ static const OptionRow options[] = {
    "1", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, per_period)},
   {"-time_step_min", "Smallest time step chosen", "s", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, min)},
   {"-time_step_max", "Largest time step chosen; 0: no bound", "s", "[0, inf)", ROW_REAL, offsetof(TimeStepLimits, max)},
-  {"-time_step", "Fixed time step; 0: chosen from the state", "s", "[0, inf)", ROW_REAL,
-   offsetof(TimeStepLimits, fixed)},
+  {"-time_step", "Fixed time step; the last two share what is left; 0: chosen from the state", "s", "[0, inf)",
+   ROW_REAL, offsetof(TimeStepLimits, fixed)},
   {.name = NULL},
 };
 

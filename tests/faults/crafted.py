@@ -114,7 +114,8 @@ INTS = ("dimension", "bodies", "particles", "ranks", "step", "iterations", "reje
 FIELDS = ("position", "velocity", "pressure", "density", "lambda")
 NUMBERS = ("id", "body", "layer", "parent", "surface")
 LARGE = (-2**63, -2**31, -1, 2**31 - 1, 2**31, 2**32, 2**63 - 1)
-COUNTED = ("step", "iterations", "rejected", "lost", "joined", "split", "said", "opening_lasting")  # any number of them is possible
+# any number of them is possible
+COUNTED = ("step", "iterations", "rejected", "lost", "joined", "split", "said", "opening_lasting")
 UNSEEN = {("divergence", "nan"), ("level", "nan")}  # a run may leave these
 
 

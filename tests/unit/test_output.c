@@ -29,10 +29,12 @@ static PetscErrorCode RemoveFolder(void)
 /* Other values than zero, no two alike, in all numbers, and a pattern in each field of the core that no row names. */
 static void SetState(StepState *state, PetscInt step)
 {
+  const size_t end = offsetof(StepState, said) + sizeof(state->said);
   Number number;
 
   memset(state, 0, sizeof(*state));
   memset(state, 0x3f, offsetof(StepState, edge));
+  memset((char *)state + end, 0, offsetof(StepState, previous_time_step) - end); /* what aligns it is no field */
   for (PetscInt k = 0; StateNumber(state, k, &number); k++)
     if (number.row->kind == NUMBER_COUNT)
       *(PetscInt *)number.at = 100 + k;
