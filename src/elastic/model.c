@@ -27,8 +27,9 @@ static PetscErrorCode Check(Domain domain, const char prefix[], void *data)
   PetscFunctionBegin;
   PetscCheckUser(p->modulus == 0 || p->relaxation > 0, domain->comm,
                  "-%spolymer_modulus is given: -%srelaxation_time must be positive", prefix, prefix);
-  PetscCheckUser(p->relaxation == 0 || p->modulus > 0, domain->comm,
-                 "-%srelaxation_time is given: -%spolymer_modulus must be positive", prefix, prefix);
+  PetscCheckUser(p->modulus > 0 || (p->relaxation == 0 && p->model == OLDROYD_B), domain->comm,
+                 "-%srelaxation_time or -%spolymer_model is given: -%spolymer_modulus must be positive", prefix, prefix,
+                 prefix);
   PetscCheckUser((p->model == GIESEKUS) == (p->mobility > 0), domain->comm,
                  "-%spolymer_mobility must be positive with -%spolymer_model giesekus, and is for it alone", prefix,
                  prefix);

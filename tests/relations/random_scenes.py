@@ -1,5 +1,6 @@
 """Small scenes drawn at random from a table of features, for relations.py. Scene N is always the same one. Combinations
 that the program refuses are not drawn, so that every refusal of one is a failure."""
+import itertools
 import random
 
 import numpy as np
@@ -497,5 +498,21 @@ class Channel(Vessel):
         self.numerics()
 
 
+def elastic(number):
+    """Scenes of the other families whose liquids have polymers; the next one for those that the program refuses then."""
+    drawn = map((Scene, Vessel, Channel)[number % 3], itertools.count(1000 * number))
+    scene = next(s for s in drawn if not s.options.keys() & {"-scheme", "-viscosity_form", "-ball_mass"})
+    for name in scene.bodies:
+        model = scene.draw.choice(("oldroyd_b", "giesekus", "fene_p"))
+        scene.set(f"{name}_polymer_model", model)
+        scene.set(f"{name}_polymer_modulus", scene.draw.choice((30, 1000)))
+        scene.set(f"{name}_relaxation_time", scene.draw.choice((0.01, 1)))
+        if model != "oldroyd_b":
+            scene.set(f"{name}_polymer_{'mobility' if model == 'giesekus' else 'extensibility'}",
+                      0.2 if model == "giesekus" else 20)
+        scene.set(f"{name}_viscosity", max(1, float(scene.options.get(f"-{name}_viscosity", 0))))
+    return scene
+
+
 # each with the number of its scenes in the tests
-FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40), "channel": (Channel, 20)}
+FAMILIES = {"random": (Scene, 200), "vessel": (Vessel, 40), "channel": (Channel, 20), "elastic": (elastic, 30)}

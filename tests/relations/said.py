@@ -12,7 +12,7 @@ import runs  # noqa: E402
 from scene import CORNERS, Unfit  # noqa: E402
 
 BRIEF, SLACK = 1e-6, 0.05  # a step so many times shorter changes nothing by more than so much
-STIFF = 100  # Pa s of random scenes, from which -viscosity_solver auto may be implicit
+STIFF = 100  # Pa s of random scenes, from which -viscosity_solver auto may be implicit; as it is with polymers
 ALL = 100  # % of the energy exchanged: an impact may lose much of it, but no more
 FULL = 1.2  # of the fillings of an emitter, whose inlet has whole particles
 UNSEEN = 0.01  # % of the energy exchanged, which rounding and the solver may leave
@@ -45,7 +45,8 @@ def books(t):
     """The energy of a scene closes within what its own budget says."""
     liquids = t.scene.names("bodies")
     if t.scene.options.get("viscosity_solver") == "implicit" or any(
-            t.scene.number(f"{name}_viscosity") >= STIFF for name in liquids):
+            t.scene.number(f"{name}_viscosity") >= STIFF or t.scene.number(f"{name}_polymer_modulus")
+            for name in liquids):
         raise Unfit("not cured: the work of implicit viscosity is that of one velocity, and long steps have two")
     found = re.search(r"residual .*?, (\S+) % of .*?: (.*)", t.longer.text("log.txt"))
     if not found:  # nothing was exchanged
