@@ -9,7 +9,9 @@
    to particle, would be driven by tau without resistance. So pairs have a viscosity mu_b besides (ElasticBalance), and
    the force that it gives to the velocities of the fit, which a pair knows, is taken off: a linear velocity has none of
    it, pair by pair, at free surfaces and walls, too. The idea is that of both-sides diffusion and of DEVSS (Guenette
-   and Fortin 1995). With implicit viscosity mu_b holds waves of the stress in steps that are too long for them. */
+   and Fortin 1995). Where particles pass each other, what the stretch of one differs by from that around it grows without
+   end, as in a fluid that carries without diffusion: at Wi 100 all flow is lost. So it mixes with that around
+   (ElasticMix), which a linear stretch does not feel. With implicit viscosity mu_b holds waves of the stress in steps that are too long for them. */
 #ifndef ISPH_ELASTIC_IMPL_H
 #define ISPH_ELASTIC_IMPL_H
 
@@ -30,8 +32,9 @@ typedef struct {
 extern const Property  ElasticProperties[];
 extern const GaugeKind GaugeElastic;
 
-/* PolymersOf - of a body of the scene. ElasticOn - whether a scene has polymers. Not collective. */
+/* PolymersOf - of a body of the scene. PolymersAlike - whether two are the same. ElasticOn - whether a scene has polymers. Not collective. */
 const Polymers *PolymersOf(Scene scene, PetscInt body);
+PetscBool       PolymersAlike(const Polymers *p, const Polymers *q);
 PetscBool       ElasticOn(Scene scene, Tension tension);
 
 /* --- model.c: one particle; s = c - 1, xx yy zz xy xz yz. Not collective --- */
@@ -50,10 +53,13 @@ PetscReal PolymersStiffness(const Polymers *p, const PetscReal s[6], PetscReal *
    zero: inside. Collective.
    ElasticSolenoidal - takes the divergence off the gradients L ([n_fluid][9], 1/s): the liquid has none. Near the
    surface the derivative along n is the uncertain one. Not collective.
+   ElasticMix - mixes FIELD_STRETCH of a particle with that of like neighbours less its slope: in a unit of shear of the
+   gradients L ([n_fluid][9], 1/s), in which it gets new neighbours, wholly; time (s). Collective.
    ElasticDivergence - force ([n_fluid][3], N/m3) = div T of stresses ([n_total][6], Pa), no stress on the free surface;
    conserves momentum but for what walls take. Collective. */
 PetscErrorCode ElasticNormals(Cloud cloud, PetscReal n[]);
 void           ElasticSolenoidal(Cloud cloud, const PetscReal n[], PetscReal L[]);
+PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time);
 PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal n[], const PetscReal T[], PetscReal force[]);
 /* ElasticSeen - out ([n_fluid][3], m/s2): minus what the shares ([n_total], 1) of the viscosity do to the velocities of
    the fit L ([n_fluid][9], 1/s). pair: of OperatorsViscosityPairs. Collective. */

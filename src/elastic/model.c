@@ -46,6 +46,12 @@ const Polymers *PolymersOf(Scene scene, PetscInt body)
   return (const Polymers *)BodyOwn(SceneBody(scene, body), ElasticProperties);
 }
 
+PetscBool PolymersAlike(const Polymers *p, const Polymers *q)
+{
+  return (PetscBool)(p == q || (p->modulus == q->modulus && p->relaxation == q->relaxation && p->model == q->model &&
+                                p->mobility == q->mobility && p->extent == q->extent));
+}
+
 PetscBool ElasticOn(Scene scene, Tension tension)
 {
   for (PetscInt b = 0; scene && b < SceneCount(scene); b++)

@@ -110,6 +110,53 @@ static void LoadRow(Cloud cloud, PetscInt a, Row *out)
     SymmetricInverse(cloud->domain->dim, M, out->B);
 }
 
+/* (1/s) of a flow with the gradient l: that of a simple shear. */
+static PetscReal ShearRate(const PetscReal l[DIM * DIM])
+{
+  PetscReal sum = 0;
+
+  for (PetscInt i = 0; i < DIM; i++)
+    for (PetscInt j = 0; j < DIM; j++) sum += 0.5 * PetscSqr(l[DIM * i + j] + l[DIM * j + i]);
+  return PetscSqrtReal(sum);
+}
+
+PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
+{
+  PetscReal *s = cloud->field[FIELD_STRETCH], *mixed;
+  Row        row;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_STRETCH));
+  PetscCall(CloudGetWork(cloud, 6, &mixed));
+  PetscCall(PetscArraycpy(mixed, s, 6 * cloud->n_fluid));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const Polymers *own   = PolymersOf(cloud->scene, cloud->integer[INT_BODY][a]);
+    const PetscReal share = PetscMin(1, time * ShearRate(L + DIM * DIM * a));
+    PetscReal       weight = 0, mean[DIM] = {0, 0, 0}, c[6], *out = mixed + 6 * a;
+
+    if (own->modulus == 0 || share == 0) continue;
+    LoadRow(cloud, a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      if (!PolymersAlike(own, PolymersOf(cloud->scene, cloud->integer[INT_BODY][row.index[k]]))) row.f[k] = 0;
+      weight += row.f[k];
+      for (PetscInt i = 0; i < DIM; i++) mean[i] += row.f[k] * row.d[k][i];
+    }
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscReal *its = s + 6 * row.index[k];
+      PetscReal        e[DIM];
+
+      TensorApply(row.B, row.d[k][0], row.d[k][1], row.d[k][2], e);
+      for (PetscInt m = 0; m < 6 && row.f[k] != 0; m++)
+        out[m] += share * row.f[k] / weight * (1 + Dot(e, mean)) * (its[m] - s[6 * a + m]);
+    }
+    for (PetscInt m = 0; m < 6; m++) c[m] = out[m] + (m < DIM);
+    if (SymmetricSmallestEigenvalue(DIM, c) <= 0) PetscCall(PetscArraycpy(out, s + 6 * a, 6));
+  }
+  PetscCall(PetscArraycpy(s, mixed, 6 * cloud->n_fluid));
+  PetscCall(CloudRestoreWork(cloud, &mixed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Inside the liquid the corrected difference, exact for a linear stress. No stress acts on the free surface, T.n = 0.
    Near it the part of T with a component along n is mirrored oddly, as the pressure is in Eq. (9), and the rest, which
    need not vanish there, evenly to first order: the difference corrected on the liquid's side. The sum of Eq. (9)
