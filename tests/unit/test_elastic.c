@@ -1,5 +1,6 @@
 /* Polymers: each model beside its equation integrated finely, in shear, extension and long steps; the divergence of a
-   stress that pulls along a thread; a linear velocity feels none of the balance. Runs on any number of ranks. */
+   stress that pulls along a thread; a linear velocity feels none of the balance, a linear stretch does not
+   mix. Runs on any number of ranks. */
 #include "../../src/elastic/elastic_impl.h"
 #include "check.h"
 #include "setup.h"
@@ -173,6 +174,38 @@ static PetscErrorCode TestSeen(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A unit of shear on a film on a wall: a stretch that is linear, as far as the walls and the surface, stays; one that
+   differs from particle to particle becomes even. */
+static PetscErrorCode TestMix(void)
+{
+  Setup      s;
+  PetscReal *L, *c, off = 0, before = 0, after = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SetupPack(CHANNEL, &s));
+  PetscCall(SetupMoments(&s));
+  PetscCall(CloudGetWork(s.cloud, DIM * DIM, &L));
+  PetscCall(PetscArrayzero(L, DIM * DIM * s.cloud->n_fluid));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) L[DIM * DIM * a + 1] = 1;
+  c = s.cloud->field[FIELD_STRETCH];
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    for (PetscInt m = 0; m < 6; m++) c[6 * a + m] = m == 3 ? 0 : s.cloud->field[FIELD_POSITION][DIM * a + 1] / 1e-3;
+  PetscCall(ElasticMix(s.cloud, L, 1));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
+    off = PetscMax(off, PetscAbsReal(c[6 * a] - s.cloud->field[FIELD_POSITION][DIM * a + 1] / 1e-3));
+  CHECK_CLOSE(SetupMax(off), 0, 1e-5, "a linear stretch does not mix"); /* weights have single precision */
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
+    for (PetscInt m = 0; m < DIM; m++) c[6 * a + m] = s.cloud->integer[INT_ID][a] % 2;
+    before += PetscSqr(c[6 * a] - 0.5);
+  }
+  PetscCall(ElasticMix(s.cloud, L, 1));
+  for (PetscInt a = 0; a < s.cloud->n_fluid; a++) after += PetscSqr(c[6 * a] - 0.5);
+  CHECK(SetupSum(after) < 0.25 * SetupSum(before), "a stretch that alternates becomes even in a unit of shear");
+  PetscCall(CloudRestoreWork(s.cloud, &L));
+  PetscCall(SetupClose(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 int main(int argc, char **argv)
 {
   PetscFunctionBeginUser;
@@ -181,6 +214,7 @@ int main(int argc, char **argv)
   PetscCall(TestThread(3e-4, 0.02));
   PetscCall(TestThread(12e-4, 0.01));
   PetscCall(TestSeen());
+  PetscCall(TestMix());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
