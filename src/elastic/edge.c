@@ -212,7 +212,8 @@ static void Bound(const Step *step, PetscReal scale, StepBound *bound)
   for (PetscInt b = 0; b < SceneCount(step->scene); b++)
     w = PetscMax(w, PolymersOf(step->scene, b)->modulus / BodyMaterial(SceneBody(step->scene, b))->density);
   if (w > 0)
-    bound->step = h * PetscMin(STEP_RATIO / PetscSqrtReal(w), STRETCHED_RATIO / PetscSqrtReal(PetscMax(w, data->fastest)));
+    bound->step =
+      h * PetscMin(STEP_RATIO / PetscSqrtReal(w), STRETCHED_RATIO / PetscSqrtReal(PetscMax(w, data->fastest)));
 }
 
 static PetscErrorCode Report(Scene scene, const void *numbers, PetscReal copies, const char joule[], char text[],

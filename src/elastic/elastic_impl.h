@@ -9,9 +9,10 @@
    to particle, would be driven by tau without resistance. So pairs have a viscosity mu_b besides (ElasticBalance), and
    the force that it gives to the velocities of the fit, which a pair knows, is taken off: a linear velocity has none of
    it, pair by pair, at free surfaces and walls, too. The idea is that of both-sides diffusion and of DEVSS (Guenette
-   and Fortin 1995). Where particles pass each other, what the stretch of one differs by from that around it grows without
-   end, as in a fluid that carries without diffusion: at Wi 100 all flow is lost. So it mixes with that around
-   (ElasticMix), which a linear stretch does not feel. With implicit viscosity mu_b holds waves of the stress in steps that are too long for them. */
+   and Fortin 1995). Where particles pass each other, what the stretch of one differs by from that around it grows
+   without end, as in a fluid that carries without diffusion: at Wi 100 all flow is lost. So it mixes with that around
+   (ElasticMix), which a linear stretch does not feel. With implicit viscosity mu_b holds waves of the stress in steps
+   that are too long for them. */
 #ifndef ISPH_ELASTIC_IMPL_H
 #define ISPH_ELASTIC_IMPL_H
 
@@ -32,7 +33,8 @@ typedef struct {
 extern const Property  ElasticProperties[];
 extern const GaugeKind GaugeElastic;
 
-/* PolymersOf - of a body of the scene. PolymersAlike - whether two are the same. ElasticOn - whether a scene has polymers. Not collective. */
+/* PolymersOf - of a body of the scene. PolymersAlike - whether two are the same. ElasticOn - whether a scene has
+   polymers. Not collective. */
 const Polymers *PolymersOf(Scene scene, PetscInt body);
 PetscBool       PolymersAlike(const Polymers *p, const Polymers *q);
 PetscBool       ElasticOn(Scene scene, Tension tension);

@@ -130,8 +130,8 @@ PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
   PetscCall(CloudGetWork(cloud, 6, &mixed));
   PetscCall(PetscArraycpy(mixed, s, 6 * cloud->n_fluid));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Polymers *own   = PolymersOf(cloud->scene, cloud->integer[INT_BODY][a]);
-    const PetscReal share = PetscMin(1, time * ShearRate(L + DIM * DIM * a));
+    const Polymers *own    = PolymersOf(cloud->scene, cloud->integer[INT_BODY][a]);
+    const PetscReal share  = PetscMin(1, time * ShearRate(L + DIM * DIM * a));
     PetscReal       weight = 0, mean[DIM] = {0, 0, 0}, c[6], *out = mixed + 6 * a;
 
     if (own->modulus == 0 || share == 0) continue;

@@ -499,7 +499,7 @@ class Channel(Vessel):
 
 
 def elastic(number):
-    """Scenes of the other families whose liquids have polymers; the next one for those that the program refuses then."""
+    """Scenes of the other families whose liquids have polymers; the next one where the program refuses a scene then."""
     drawn = map((Scene, Vessel, Channel)[number % 3], itertools.count(1000 * number))
     scene = next(s for s in drawn if not s.options.keys() & {"-scheme", "-viscosity_form", "-ball_mass"})
     for name in scene.bodies:

@@ -96,6 +96,14 @@ ENTRIES += [Entry("elastic_channel", f"{model}, Wi 3", f"-liquid_polymer_model {
                   "-box_ymax_velocity 0.3,0 -liquid_strain_rate 0,300,0,0", TEST if model == "fene_p" else SHORT,
                   file="shear.opts")
             for model, numbers in MODELS.items()]
+ENTRIES += [Entry("elastic_channel", "oldroyd_b, Wi 3, two spacings", "-box_ymax_velocity 0.3,0 -box_upper 1e-3,1e-3 "
+                  "-liquid_strain_rate 0,300,0,0 -spacing_coarse 1e-4 -fine low -low_shape box -low_upper 1e-3,0.4e-3",
+                  TEST, file="shear.opts"),
+            Entry("elastic_channel", "oldroyd_b, Wi 100", "-spacing 1e-4 -box_upper 1e-3,1e-3 -box_ymax_velocity 1,0 "
+                  "-liquid_strain_rate 0,1e3,0,0 -liquid_polymer_modulus 1 -liquid_relaxation_time 0.1 -time_end 0.6 "
+                  "-snapshot_interval 0.1", file="shear.opts"),
+            Entry("elastic_drop", size=TEST), Entry("elastic_drop", "half the spacing", "-spacing 0.125e-3"),
+            Entry("jet", "pulse", file="pulse.opts"), Entry("jet", "elastic pulse", file="elastic.opts")]
 ENTRIES += [Entry("elastic_thread", "small wave", "-thread_wave_amplitude 0.02e-3 -time_end 0.04", TEST),
             Entry("elastic_thread", size=TEST)]
 ENTRIES += [Entry("film_on_slope", size=TEST), Entry("sinking_ball"), Entry("merging_threads"),
@@ -285,8 +293,8 @@ ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
 GALLERY = {"drop_collision", "sessile_drop", "thin_film", "deep_pool", "dry_wall", "printed_line", "obstacle",
            "sloshing", "jet", "stirred_tank", "ink_drop", "capillary_rise", "dripping"}
 # solids do not move with the printed scheme
-DEFAULT_ONLY = {"my_liquid", "film_on_slope", "elastic_channel", "elastic_thread", "merging_threads", "sinking_ball",
-                "squeeze_film", "shear_under_gravity",
+DEFAULT_ONLY = {"my_liquid", "film_on_slope", "elastic_channel", "elastic_drop", "elastic_thread", "merging_threads",
+                "sinking_ball", "squeeze_film", "shear_under_gravity",
                 "stokes_second", "column", "turning_box", "heated_cavity", "marangoni_drop",
                 "dragged_cylinder", "piston", "rotating_cup", "breathing_bubble", "rising_bubble", "bottle",
                 "gas_piston", "coated_plate", "honey", "floating_box", "two_liquids", "weir", "pump",
