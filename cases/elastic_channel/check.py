@@ -68,7 +68,8 @@ def check_shear(head, t, f):
     y, s = f["position"][:, 1], f["stretch"]
     middle = np.abs(y - 0.5e-3) < 0.25e-3
     c = sheared(head, t)
-    xx, xy = ("c_xx - 1, last time", s[middle, 0].mean(), c[0, 0] - 1), ("c_xy, last time", s[middle, 3].mean(), c[0, 1])
+    xx = "c_xx - 1, last time", s[middle, 0].mean(), c[0, 0] - 1
+    xy = "c_xy, last time", s[middle, 3].mean(), c[0, 1]
     if c[0, 0] > HIGH:
         return [physics.relative(*xx, 0.05), physics.shown(*xy)]
     return [physics.relative(*xx, 0.01), physics.relative(*xy, 0.01)]
