@@ -1,5 +1,5 @@
-"""What a closed scene keeps: the mass of each body to the last particle, momentum, angular momentum and energy, as far
-as no wall, emitter or open face takes part."""
+"""What a closed scene keeps: the mass of each body to the last particle, heat and solute, momentum, angular momentum
+and energy, as far as no wall, emitter or open face takes part."""
 import os
 import sys
 
@@ -9,7 +9,7 @@ import numpy as np  # noqa: E402
 import physics  # noqa: E402
 import runs  # noqa: E402
 
-MASS = 1e-12             # of a body that may change: rings and graded particles join and split
+MASS = 1e-12             # of a body that may change, and of heat and solute: rings and graded particles join and split
 EXACT = 1e-5             # of momentum, over that of all liquid at the speed that the energy at hand can give: where
 #                          every force is between pairs only the implicit viscosity's solver is left, 2e-6 at most
 MOMENTUM = (0.025, 0.04)  # the same else, without and with a body that moves freely: 1.9 and 3.0 % at most
@@ -45,6 +45,15 @@ class Result:
         self.energy = gain.max() / (moved + surface.max() + settled)
         self.mass = max(abs(m1[own[1] == k].sum() / m0[own[0] == k].sum() - 1) for k in set(own[0]))
         self.count = len(m1) - len(m0)
+        end, capacity = runs.head(runs.numbered(folder, "checkpoint")[-1]), np.array(
+            [scene.number(f"{name}_heat_capacity", 4184) for name in names])
+        self.carried = 0.0  # that no wall and no air gave
+        for scalar, book, weight in (("temperature", "heat", capacity), ("concentration", "solute", 1 / density)):
+            if scalar in first:
+                a, b = (m @ (weight[of] * f[scalar][w].ravel()) for m, of, f, w in zip(
+                    (m0, m1), own, (first, last), liquid))
+                given = end[f"{book}_by_walls"] + end[f"{book}_by_air"]
+                self.carried = max(self.carried, abs(b - a - given) / max(abs(a), abs(b), 1e-300))
         speed = np.sqrt(2 * (moved + surface[0]) / m0.sum())  # what the energy at hand can give
         w = scene.number("central_force_rate")  # under which the centre of mass swings as a whole
         kept = m0 @ v0 * np.cos(w * (t1 - t0)) - w * (m0 @ x0) * np.sin(w * (t1 - t0))
@@ -91,6 +100,7 @@ def judge(scene, folder, finer):
     if not closed:
         return wrong
     below(r.mass, MASS, "mass of a body changed")
+    below(r.carried, MASS, "heat or solute changed")
     if r.count and not (scene.rings or "spacing_coarse" in scene.options):
         wrong.append(f"{r.count} particles more")
     if faces - {"periodic"} or len(free) < len(scene.names("solids")) or (

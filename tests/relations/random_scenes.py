@@ -23,7 +23,7 @@ class Scene:
         self.set("dimension", self.kind)
         self.box()
         getattr(self, self.place)()
-        for feature in (self.forces, self.liquids, self.tension, self.methods, self.grading):
+        for feature in (self.forces, self.liquids, self.tension, self.methods, self.grading, self.carried):
             feature()
         if self.bodies:
             self.set("bodies", ",".join(self.bodies))
@@ -275,6 +275,30 @@ class Scene:
             self.set("near_radius", 0.15)
             self.set("near_center", *self.options.get("-a_center", ",".join("0" * self.dim)).split(","))
 
+    def carried(self):
+        """What particles carry: heat, on which weight, viscosity and tension depend, and a solute."""
+        if self.options.get("-scheme", "consistent") != "consistent" or not self.odds(0.4):
+            return
+        for name in self.bodies:
+            self.set(f"{name}_temperature", self.draw.choice((290, 320)))
+            self.set(f"{name}_thermal_conductivity", self.draw.choice((0, 4e3, 4e5)))
+            self.set(f"{name}_concentration", self.draw.choice((0, 1)))
+            self.set(f"{name}_diffusivity", self.draw.choice((0, 1e-3)))
+            if self.options.get(f"-{name}_type") != "emitter":
+                self.set(f"{name}_temperature_gradient", *self.vector(0 if self.rings else 5, 20))
+            for law, value in (("thermal_expansion", 1e-3), ("viscosity_activation", 1500)):
+                if self.odds(0.3):
+                    self.set(f"{name}_{law}", value)
+            if not {"-interface_tension", "-tension_type"} & set(self.options) and self.has(f"{name}_tension"):
+                self.set(f"{name}_tension_temperature", self.draw.choice((0, -0.2)))
+        if self.options.get(f"-box_{self.up}min") == "wall":
+            self.set(f"box_{self.up}min_{self.draw.choice(('temperature', 'heat_flux'))}", 350)
+        if self.has("ball_shape"):
+            self.set("ball_temperature", 340)
+        if self.odds(0.3):
+            self.set("surface_heat_transfer", 1e4)
+            self.set("ambient_temperature", 300)
+
     def conserves(self):
         """Whether all forces but the curvature's are between pairs of particles."""
         return self.options.get("-pressure_gradient") == "conserved" or (
@@ -302,7 +326,7 @@ class Vessel(Scene):
         self.set("bodies", ",".join(self.bodies))
         if self.solids:
             self.set("solids", ",".join(self.solids))
-        for feature in (self.liquids, self.surfaces, self.numerics, self.following):
+        for feature in (self.liquids, self.surfaces, self.numerics, self.following, self.carried):
             feature()
 
     def corner(self, across, up):
@@ -496,6 +520,7 @@ class Channel(Vessel):
             self.set("solids", ",".join(self.solids))
         self.set("bodies", "a")
         self.numerics()
+        self.carried()
 
 
 def elastic(number):

@@ -104,6 +104,10 @@ def told(t):
     compare("volume of the last snapshot", volume.sum(), series["volume"][-1])
     compare("kinetic energy of the last snapshot", 0.5 * mass @ (run.last["velocity"]**2).sum(axis=1),
             series["kinetic_energy"][-1])
+    for name, weight in (("temperature", mass), ("concentration", volume)):
+        if name in fields:
+            compare(f"{name} of the last snapshot", weight @ fields[name][fields["body"] >= 0].ravel() / weight.sum(),
+                    series[f"{name}_mean"][-1])
     doubts = t.longer.doubts()
     wrong += [f"said more than once: {doubt}" for doubt in sorted(set(doubts)) if doubts.count(doubt) > 1]
     wrong += tried_dry(t) + counted(t, scene)

@@ -17,17 +17,18 @@ OUTPUT = re.compile(r"(gauge|snapshot|series|checkpoint|output|progress|monitor|
                     r"packing_cache|dry_run|dump_options|stop_at_rest)$")
 # Options of a place, of a direction, of a direction of rotation; corners come in pairs.
 POINTS = {"center", "point", "rotation_center", "strain_center", "frame_rotation_center", "offset"}
-DIRECTIONS = {"velocity", "gravity", "gravity_amplitude", "oscillation_amplitude", "normal", "axis"}
+DIRECTIONS = {"velocity", "gravity", "gravity_amplitude", "oscillation_amplitude", "normal", "axis",
+              "temperature_gradient"}
 ROTATIONS = {"rotation_rate", "frame_rotation_rate", "rotation_axis"}
 CORNERS = ("lower", "upper")
-FACE = re.compile(r"box_([xyz])(min|max)?(_velocity|_contact_angle|_level|_pressure)?$")
+FACE = re.compile(r"box_([xyz])(min|max)?(_\w+)?$")
 # Places that are the origin if they are not given, by the word that asks for them.
 ORIGINS = {"sphere": "center", "cylinder": "center", "ellipsoid": "center", "thread": "center", "half_space": "point",
            "rotation": "rotation_center", "strain": "strain_center"}
-# Powers of length, time and mass of the units; of a plane everything is per metre.
-UNITS = {"m": (1, 0, 0), "s": (0, 1, 0), "m/s": (1, -1, 0), "m/s2": (1, -2, 0), "Hz": (0, -1, 0), "1/s": (0, -1, 0),
-         "rad/s": (0, -1, 0), "kg/m3": (-3, 0, 1), "Pa s": (-1, -1, 1), "N/m": (0, -2, 1), "Pa": (-1, -2, 1),
-         "kg": (0, 0, 1), "kg m2": (2, 0, 1)}
+# Powers of length, time and mass of what units are made of; of a plane everything is per metre.
+LETTERS = {"m": (1, 0, 0), "s": (0, 1, 0), "kg": (0, 0, 1), "Hz": (0, -1, 0), "N": (1, -2, 1), "Pa": (-1, -2, 1),
+           "J": (2, -2, 1), "W": (2, -3, 1), "rad": (0, 0, 0), "degrees": (0, 0, 0), "K": (0, 0, 0),
+           "spacings": (0, 0, 0)}
 PLANE = {"mass", "inertia"}  # whose units in a plane are per metre
 
 
@@ -122,6 +123,8 @@ class Scene:
                     more[f"{body}_{corner}"] = self.options[f"box_{corner}"]
         for body in self.names("bodies"):
             more[f"{body}_density"], more[f"{body}_viscosity"] = "1000", "1e-3"
+            if f"{body}_temperature" in self.options:
+                more[f"{body}_heat_capacity"] = "4184"
         if "frame_rotation_rate" in self.options:
             more["frame_rotation_center"] = zero
         if "gas" in self.options:
@@ -196,6 +199,12 @@ def mapped(scene, matrix, shift):
             if value in ("x", "y", "z"):
                 value = plain(np.eye(3)["xyz".index(value)][:n])
             changed[name] = matrix @ np.array([float(v) for v in value.split(",")] + [0.0] * n)[:n]
+            if what == "temperature_gradient":  # which body_temperature is at the origin
+                start = name[:-len("_gradient")]
+                if shift.any() and re.search("_(tension_temperature|viscosity_activation|thermal_expansion)( |$)",
+                                             " ".join(scene.options)):
+                    raise Unfit(f"-{start} is the one at which tension, viscosity and density are given")
+                changed[start] = scene.number(start) - changed[name] @ shift
         elif what in ROTATIONS and n == 2:
             changed[name] = [proper * scene.vector(name)[-1 if value.count(",") == 2 else 0]]
         elif what in ROTATIONS:
@@ -223,14 +232,12 @@ def mapped(scene, matrix, shift):
             other = ("min", "max")[k if matrix[to, d] > 0 else 1 - k]
             new = f"box_{'xyz'[to]}{other}"
             faces[new] = scene.face(letter, end)
-            for more in ("_velocity", "_contact_angle", "_level", "_pressure"):
-                if f"box_{letter}{end}{more}" in scene.options:
-                    value = scene.options[f"box_{letter}{end}{more}"]
-                    if more == "_level":  # against gravity
-                        down = matrix @ scene.vector("gravity")[:n]
-                        value = plain(float(value) - down @ shift / np.linalg.norm(down))
-                    faces[new + more] = plain(matrix @ scene.vector(f"box_{letter}{end}{more}")[:n]) if (
-                        more == "_velocity") else value
+            for name in [name for name in scene.options if name.startswith(f"box_{letter}{end}_")]:
+                value, more = scene.options[name], name[len(f"box_{letter}{end}"):]
+                if more == "_level":  # against gravity
+                    down = matrix @ scene.vector("gravity")[:n]
+                    value = plain(float(value) - down @ shift / np.linalg.norm(down))
+                faces[new + more] = plain(matrix @ scene.vector(name)[:n]) if more == "_velocity" else value
     if scene.rings:
         faces.pop("box_xmin", None)
     kept = {name: value for name, value in scene.options.items() if not FACE.match(name)}
@@ -241,7 +248,16 @@ def units():
     """{name of an option, without its body's: powers of length, time, mass}; words and pure numbers have none."""
     with open(os.path.join(ROOT, "options", "options.json"), encoding="utf-8") as file:
         rows = json.load(file)["options"]
-    return {re.sub(r"^-(<\w+>_)?", "", row["name"]): UNITS.get(row["unit"], (0, 0, 0)) for row in rows}
+    return {re.sub(r"^-(<\w+>_)?", "", row["name"]): powers_of(row["unit"] or "1") for row in rows}
+
+
+def powers_of(unit):
+    """Powers of length, time and mass of a unit like W/(m2 K)."""
+    found = np.zeros(3, int)
+    for sign, part in zip((1, -1), unit.split("/")):
+        for letters, power in re.findall(r"([A-Za-z]+)(\d*)", part):
+            found += sign * int(power or 1) * np.array(LETTERS[letters])
+    return tuple(found)
 
 
 def scaled(scene, length, time, mass):
