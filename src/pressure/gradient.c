@@ -205,7 +205,7 @@ PetscErrorCode GradientConserved(Pressure pressure, PetscReal acceleration[])
   }
   PetscCall(OperatorsCompensationWeights(cloud, weight));
   PetscCall(
-    OperatorsCompensate(cloud, weight, cloud->field[FIELD_POSITION], NULL, cloud->field[FIELD_VELOCITY_STAR], change));
+    OperatorsCompensate(cloud, weight, cloud->field[FIELD_POSITION], NULL, cloud->field[FIELD_VELOCITY], change));
   for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) acceleration[k] += change[k];
   PetscCall(CloudRestoreWork(cloud, &change));
   PetscCall(CloudRestoreWork(cloud, &weight));
