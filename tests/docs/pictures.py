@@ -199,8 +199,8 @@ runs.check_within(held / (LARGE * D0)**3 / len(film), 0.99, 1.01, "it_holds_thei
 grid = np.stack(np.meshgrid(*[D0 * (np.arange(-6, 6) + 0.5)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 drop = grid[np.linalg.norm(grid, axis=1) < 5 * D0] + [0, 0, 12 * D0]
 one, far = np.ones(len(drop)), 12 * D0 * np.ones(3)
-points_of_drop, _, cells_of_drop = surface.Liquid(drop, 0 * one, D0, far * [-1, -1, 0], far * [1, 1, 2], one, one).mesh()
-corner = points_of_drop[cells_of_drop] - [0, 0, 12 * D0]
+places, _, sides = surface.Liquid(drop, 0 * one, D0, far * [-1, -1, 0], far * [1, 1, 2], one, one).mesh()
+corner = places[sides] - [0, 0, 12 * D0]
 held = np.einsum("ij,ij->", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
 runs.check_within(held / D0**3 / len(drop), 0.99, 1.01, "a_drop_has_its_volume")
 loops = surface.outline(points, cells)
