@@ -219,13 +219,16 @@ static PetscReal Difference(Scene scene)
 
   for (PetscInt b = 0; b < SceneCount(scene); b++) {
     const BodyScalar *of = ScalarOf(scene, HEAT_TEMPERATURE, b);
-    BodyScales        scales;
-    PetscReal         swing = 0;
+    PetscReal         lower[DIM], upper[DIM], least = of->start, most = of->start;
 
-    SceneBodyScales(scene, b, &scales);
-    for (PetscInt d = 0; d < DIM; d++) swing += PetscAbsReal(of->slope[d]) * scales.extent[d];
-    low  = PetscMin(low, of->start);
-    high = PetscMax(high, of->start + swing);
+    BodyBounds(SceneBody(scene, b), lower, upper);
+    for (PetscInt d = 0; d < DIM; d++) {
+      if (of->slope[d] == 0) continue; /* a bound may be infinite */
+      least += PetscMin(of->slope[d] * lower[d], of->slope[d] * upper[d]);
+      most += PetscMax(of->slope[d] * lower[d], of->slope[d] * upper[d]);
+    }
+    low  = PetscMin(low, least);
+    high = PetscMax(high, most);
   }
   for (PetscInt r = 0; r < 2 * DIM + SceneSolidCount(scene); r++) {
     const Side *side = SideOf(scene, HEAT_TEMPERATURE, r);

@@ -340,7 +340,7 @@ def bodies(t):
     if "interface_tension" in t.scene.options and "interface_bodies" not in t.scene.options:
         changes["interface_bodies"] = t.scene.names("bodies")[1]
     scene, one = t.even
-    return close(scene, one, t.run(scene.copy(**changes)))
+    return close(scene, one, t.run(scene.explicit().copy(**changes)))
 
 
 def options(t):

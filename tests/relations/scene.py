@@ -125,6 +125,9 @@ class Scene:
             more[f"{body}_density"], more[f"{body}_viscosity"] = "1000", "1e-3"
             if f"{body}_temperature" in self.options:
                 more[f"{body}_heat_capacity"] = "4184"
+        first = self.names("bodies")[0]
+        if f"{first}_temperature" in self.options:
+            more["reference_temperature"] = self.options[f"{first}_temperature"]
         if "frame_rotation_rate" in self.options:
             more["frame_rotation_center"] = zero
         if "gas" in self.options:
@@ -201,9 +204,6 @@ def mapped(scene, matrix, shift):
             changed[name] = matrix @ np.array([float(v) for v in value.split(",")] + [0.0] * n)[:n]
             if what == "temperature_gradient":  # which body_temperature is at the origin
                 start = name[:-len("_gradient")]
-                if shift.any() and re.search("_(tension_temperature|viscosity_activation|thermal_expansion)( |$)",
-                                             " ".join(scene.options)):
-                    raise Unfit(f"-{start} is the one at which tension, viscosity and density are given")
                 changed[start] = scene.number(start) - changed[name] @ shift
         elif what in ROTATIONS and n == 2:
             changed[name] = [proper * scene.vector(name)[-1 if value.count(",") == 2 else 0]]
