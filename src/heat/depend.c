@@ -178,10 +178,10 @@ static PetscErrorCode SetTension(Cloud cloud, Tensions *own)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Surround(const Step *step)
+static PetscErrorCode Tense(const Step *step)
 {
   PetscFunctionBegin;
-  step->cloud->tension = NULL;
+  if (Pulls(step->scene, NULL)) PetscCall(SetTension(step->cloud, (Tensions *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -206,7 +206,6 @@ static PetscErrorCode Force(const Step *step)
     AddWeight(cloud, a);
     step->sums[0] += step->dt * (Power(cloud, a) - before);
   }
-  if (Pulls(cloud->scene, NULL)) PetscCall(SetTension(cloud, (Tensions *)step->own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -334,5 +333,5 @@ const Edge DependEdge = {.name        = "dependence",
                          .speed       = Speed,
                          .thicken     = Thicken,
                          .force       = Force,
-                         .surround    = Surround,
+                         .tense       = Tense,
                          .commit      = Commit};

@@ -154,6 +154,8 @@ typedef struct _Edge {
   /* at the positions of the sums: adds its force over the mass (m/s2) to FIELD_ACCELERATION of the fluid; not while the
      packing relaxes */
   PetscErrorCode (*force)(const Step *step);
+  /* before surface tension: sets the tension of the particles (cloud->tension), which counts until it has acted */
+  PetscErrorCode (*tense)(const Step *step);
   /* at the positions of the sums, with surface tension, before the pressure of the former step acts: finds what
      surrounds the liquid */
   PetscErrorCode (*surround)(const Step *step);

@@ -83,6 +83,15 @@ static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
   }
 }
 
+PetscErrorCode StepTension(Stepper stepper)
+{
+  PetscFunctionBegin;
+  StepHook(stepper, tense, &step);
+  PetscCall(TensionApply(stepper->tension, stepper->cloud));
+  stepper->cloud->tension = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds surface tension to FIELD_ACCELERATION, or sets the pressure on the free surface. */
 static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial)
 {
@@ -91,7 +100,7 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
   const PetscReal before = acts ? MassWeightedDot(cloud, FIELD_ACCELERATION) : 0;
 
   PetscFunctionBegin;
-  PetscCall(TensionApply(stepper->tension, cloud));
+  PetscCall(StepTension(stepper));
   if (acts) trial->sum[SUM_TENSION_WORK] = dt * (MassWeightedDot(cloud, FIELD_ACCELERATION) - before);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

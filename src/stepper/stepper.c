@@ -418,8 +418,8 @@ PetscErrorCode StepperRefresh(Stepper stepper)
 
   PetscFunctionBegin;
   PetscCall(StepSearch(stepper, PETSC_FALSE));
-  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned)); /* TensionApply may add to it */
-  PetscCall(TensionApply(stepper->tension, cloud));
+  PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned)); /* StepTension may add to it */
+  PetscCall(StepTension(stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

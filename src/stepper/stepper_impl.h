@@ -179,6 +179,8 @@ void DriveWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* StepApparentViscosity - OperatorsApparentViscosity, and what edges change of it. Collective. */
 PetscErrorCode StepApparentViscosity(Stepper stepper);
+/* StepTension - TensionApply with the tension that edges give the particles. Collective. */
+PetscErrorCode StepTension(Stepper stepper);
 
 /* --- trial.c --- */
 
