@@ -32,6 +32,7 @@ HEARD(restore, const Step *step)
 HEARD(drift, const Step *step, PetscReal from, PetscReal to, PetscReal end, PetscBool *moved)
 HEARD(diagnose, const Step *step)
 HEARD(thicken, const Step *step)
+HEARD(tense, const Step *step)
 HEARD(surround, const Step *step)
 HEARD(hold, const Step *step)
 HEARD(follow, const Step *step, PetscBool own, PetscReal u[])
@@ -85,6 +86,7 @@ static const Edge        Spy     = {.name     = SPY,
                                     .diagnose = Spy_diagnose,
                                     .thicken  = Spy_thicken,
                                     .force    = Spy_force,
+                                    .tense    = Spy_tense,
                                     .surround = Spy_surround,
                                     .hold     = Spy_hold,
                                     .follow   = Spy_follow,
