@@ -110,16 +110,6 @@ static void LoadRow(Cloud cloud, PetscInt a, Row *out)
     SymmetricInverse(cloud->domain->dim, M, out->B);
 }
 
-/* (1/s) of a flow with the gradient l: that of a simple shear. */
-static PetscReal ShearRate(const PetscReal l[DIM * DIM])
-{
-  PetscReal sum = 0;
-
-  for (PetscInt i = 0; i < DIM; i++)
-    for (PetscInt j = 0; j < DIM; j++) sum += 0.5 * PetscSqr(l[DIM * i + j] + l[DIM * j + i]);
-  return PetscSqrtReal(sum);
-}
-
 PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
 {
   PetscReal *s = cloud->field[FIELD_STRETCH], *mixed;
@@ -131,7 +121,7 @@ PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
   PetscCall(PetscArraycpy(mixed, s, 6 * cloud->n_fluid));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Polymers *own    = PolymersOf(cloud->scene, cloud->integer[INT_BODY][a]);
-    const PetscReal share  = PetscMin(1, time * ShearRate(L + DIM * DIM * a));
+    const PetscReal share  = PetscMin(1, time * OperatorsShearRate((const PetscReal(*)[DIM])(L + DIM * DIM * a)));
     PetscReal       weight = 0, mean[DIM] = {0, 0, 0}, c[6], *out = mixed + 6 * a;
 
     if (own->modulus == 0 || share == 0) continue;

@@ -121,6 +121,8 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
    of the wall's face, at which that fit has the wall's velocity. a counts as WALL_CLOSEST from the face at least, as in
    the wall's friction. depth: of OperatorsDepths. Not collective. */
 PetscErrorCode OperatorsVelocityGradient(Cloud cloud, const Viscosity *viscosity, PetscReal L[]);
+/* OperatorsShearRate - the shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. Not collective. */
+PetscReal OperatorsShearRate(const PetscReal L[DIM][DIM]);
 PetscReal      OperatorsWallFraction(Cloud cloud, PetscInt a, PetscInt b, const PetscReal depth[]);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. With
    the rest density, pairs weigh more where neighbours are missing (FIELD_DENSITY of owned particles and ghosts), so

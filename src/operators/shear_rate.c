@@ -109,8 +109,7 @@ static void FitGradient(Cloud cloud, PetscInt a, const FitPoints *points, PetscR
   }
 }
 
-/* The shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. */
-static PetscReal ShearRate(const PetscReal L[DIM][DIM])
+PetscReal OperatorsShearRate(const PetscReal L[DIM][DIM])
 {
   PetscReal sum = 0;
 
@@ -138,7 +137,7 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
     if (body < 0 || !BodyViscosityVaries(SceneBody(cloud->scene, body))) continue;
     FindFitPoints(cloud, viscosity, a, depth, cloud->domain->volume * scale_f, &points);
     FitGradient(cloud, a, &points, L);
-    *mu = BodyViscosity(SceneBody(cloud->scene, body), ShearRate(L));
+    *mu = BodyViscosity(SceneBody(cloud->scene, body), OperatorsShearRate(L));
   }
   PetscCall(CloudRestoreWork(cloud, &depth));
   PetscCall(CloudUpdate(cloud, FIELD_VISCOSITY));
