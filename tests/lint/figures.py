@@ -3,7 +3,7 @@
 pattern whose groups are figures, and for each group where it comes from; a group must be the table's figure, rounded
 to the digits quoted. Figures that no quotation covers fail too: in the tables of README's sections SECTIONS, and in
 a preset's header any number before a unit or 'times'. Per cents in the gallery of cases/README.md are figures of the
-cases. LINT_ROOT: another tree, for a test of the test."""
+cases. --mend also writes the tables' figures into README.md. LINT_ROOT: another tree, for a test of the test."""
 import glob
 import math
 import os
@@ -163,14 +163,22 @@ for document in ["README.md"] + [f"options/{preset}.opts" for preset in PRESETS]
         if not match:
             bad.append(f"{document} has nothing like {pattern}; change tests/lint/figures.py with it")
             continue
-        for k, source in enumerate(sources, 1):
+        mended = match[0]
+        for k, source in reversed(list(enumerate(sources, 1))):
             shown, figure = match[k], source()
             value = float(figure.split()[0])
             if text[match.end(k):].startswith(" %") and not figure.endswith("%"):
                 value *= 100
             count += 1
-            if abs(float(shown) - value) > 0.501 * 10.0 ** -len(shown.partition(".")[2]):
+            digits = len(shown.partition(".")[2])
+            if abs(float(shown) - value) > 0.501 * 10.0 ** -digits:
                 bad.append(f"{document}: {shown} in '{match[0]}' is {value:g} in the generated table")
+                begin, end = (place - match.start() for place in match.span(k))
+                mended = mended[:begin] + f"{value:.{digits}f}" + mended[end:]
+        if "--mend" in sys.argv:
+            whole = read(document)
+            with open(os.path.join(ROOT, document), "w", encoding="utf-8") as file:
+                file.write(whole.replace(match[0], mended))
         text = text[:match.start()] + re.sub(r"\d", "_", match[0]) + text[match.end():]
     bad += [f"{document}: tests/lint/figures.py does not know where {number} comes from"
             for number in left_over(document, text)]

@@ -1,7 +1,7 @@
 # The physics: cases/ against exact solutions. Included by the makefile above.
 # make verify, verify-long   the cases against exact solutions; CASE=couette, JOBS=1, FROM="ID=FOLDER ..."
 # make convergence           a case at several spacings; writes its results.md; CASE=couette
-# make verify-readme         the tables of cases/*/results.md from the last runs, and what READMEs choose of them
+# make verify-readme         the tables of cases/*/results.md from the last runs, and the figures that READMEs quote
 # make reference             the volume-of-fluid computations that some checks compare with, anew (gerris); CASE=thin_film
 .PHONY: verify verify-long convergence verify-readme reference
 
@@ -22,6 +22,7 @@ convergence: isph
 
 verify-readme:
 	@$(VERIFY) --readme
+	@$(PYTHON) tests/lint/figures.py --mend > /dev/null; $(PYTHON) tests/lint/figures.py
 
 # Independent computations by volume of fluid that the checks read, cases/*/reference*.csv: ten minutes each; Debian's gerris
 reference:
