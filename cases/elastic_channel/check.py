@@ -7,6 +7,7 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "verify"))
 import numpy as np  # noqa: E402
 import physics  # noqa: E402
+import runs  # noqa: E402
 
 MODES, STEPS = 60, 20000
 HIGH = 1e3  # of c_xx: a Weissenberg number at which c mixes much
@@ -35,6 +36,18 @@ def exact(head, y, t):
         now = P @ ((np.exp(w * t) - 1) / w * np.linalg.solve(P, F))
         u += now[0].real * np.cos(k * y)
     return u
+
+
+def steady_force():
+    return 1000 * 8 * 0.5e-3 * 0.5e-3  # N/m: of half of the liquid
+
+
+def wall_force(head, t, step=1e-6):
+    """The force (N/m) on a wall: that on half of the liquid less what gives it momentum."""
+    y = np.linspace(0, 0.5e-3, 1001)
+    before, after = (1000 * 0.5e-3 * np.sum(0.5 * (u[1:] + u[:-1])) * y[1]
+                     for u in (exact(head, y, t - step), exact(head, y, t + step)))
+    return steady_force() - (after - before) / (2 * step)
 
 
 def steady(head):
@@ -86,7 +99,11 @@ def check(folder):
         rms.append(np.sqrt((error**2).mean()) / steady(head))
     if last:
         return last[0](*last[1:])
-    return [physics.at_most("velocity, largest rms error over the steady largest velocity", max(rms), 0.01)]
+    series = runs.series(folder)
+    wrong = [series["force_ymin_x_Nm"][k] - wall_force(head, t) for k, t in enumerate(series["time"]) if t > 0]
+    return [physics.at_most("velocity, largest rms error over the steady largest velocity", max(rms), 0.01),
+            physics.at_most("force on a wall, largest error over the steady one", np.abs(wrong).max() / steady_force(),
+                            0.01)]
 
 
 if __name__ == "__main__":

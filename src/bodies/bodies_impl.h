@@ -14,7 +14,7 @@ typedef struct {
 /* The data of FreeEdge. */
 typedef struct {
   HitTogether         hit;                                    /* the first one of the run */
-  PetscReal           drag[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* viscous force and torque on each free solid, N, N m */
+  PetscReal           drag[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* of viscosity and stress on each free solid, N, N m */
   PetscReal           impulse[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* of 'push' in this step, N s, N m s */
   PetscReal           contact[RIGID_MOTIONS * SCENE_MAX_BODIES]; /* impulses of contacts in this step, N s, N m s */
   PetscReal           follow[RIGID_MOTIONS * RIGID_MOTIONS * SCENE_MAX_BODIES]; /* the inverses of FreeViscousHold */

@@ -94,6 +94,7 @@ static PetscErrorCode Drag(const Step *step, const PetscReal velocity[])
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &drag));
   PetscCall(OperatorsWallDrag(cloud, StepperViscosity(step->stepper), velocity, drag));
+  PetscCall(StepperLoad(step->stepper, drag));
   for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
     if (cloud->integer[INT_LAYER][b])
       step->trial->sum[SUM_FRICTION_WORK] -= step->dt * Dot(drag + DIM * b, velocity + DIM * b);

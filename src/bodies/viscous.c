@@ -41,8 +41,8 @@ PetscErrorCode FreeSum(Cloud cloud, const PetscReal each[], const PetscReal norm
 }
 
 /* drag[solids][RIGID_MOTIONS]: viscous force and torque (N, N m) on each free solid at these velocities ([n_total][3],
-   m/s); 0 for other solids. */
-static PetscErrorCode Drag(const Step *step, const PetscReal velocity[], PetscReal drag[])
+   m/s); 0 for other solids. load: with StepperLoad. */
+static PetscErrorCode Drag(const Step *step, const PetscReal velocity[], PetscBool load, PetscReal drag[])
 {
   Cloud      cloud = step->cloud;
   PetscReal *each;
@@ -50,6 +50,7 @@ static PetscErrorCode Drag(const Step *step, const PetscReal velocity[], PetscRe
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM, &each));
   PetscCall(OperatorsWallDrag(cloud, StepperViscosity(step->stepper), velocity, each));
+  if (load) PetscCall(StepperLoad(step->stepper, each));
   PetscCall(FreeSum(cloud, each, NULL, drag));
   PetscCall(CloudRestoreWork(cloud, &each));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -72,7 +73,7 @@ PetscErrorCode FreeViscousHold(const Step *step)
     for (PetscInt b = 0; b < solids; b++)
       if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, motion, u);
     PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-    PetscCall(Drag(step, u, drag));
+    PetscCall(Drag(step, u, PETSC_FALSE, drag));
     for (PetscInt b = 0; b < solids; b++) {
       PetscReal *matrix = ((FreeData *)step->own)->follow + RIGID_MOTIONS * RIGID_MOTIONS * b, change[RIGID_MOTIONS];
 
@@ -115,7 +116,7 @@ PetscErrorCode FreeViscousFollow(const Step *step, PetscBool own, PetscReal u[])
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++)
     if (BodyMass(SceneSolid(cloud->scene, b)) > 0) FreeSetVelocities(cloud, b, rest, u);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-  PetscCall(Drag(step, u, drag));
+  PetscCall(Drag(step, u, own, drag));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
     PetscReal  center[DIM], start[RIGID_MOTIONS], impulse[RIGID_MOTIONS], motion[RIGID_MOTIONS], change[RIGID_MOTIONS],
@@ -140,6 +141,6 @@ PetscErrorCode FreeViscousFollow(const Step *step, PetscBool own, PetscReal u[])
 PetscErrorCode FreeViscousDrag(const Step *step, const PetscReal velocity[])
 {
   PetscFunctionBegin;
-  PetscCall(Drag(step, velocity, ((FreeData *)step->own)->drag));
+  PetscCall(Drag(step, velocity, PETSC_TRUE, ((FreeData *)step->own)->drag));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,6 +14,8 @@ enum { SUM_WORK, SUM_ENERGY, SUMS };
 
 typedef struct {
   PetscReal *force, *seen; /* [capacity][3] m/s2: of the stress; of ElasticSeen */
+  PetscReal *wall;         /* [capacity][3] N: of both on dummy particles */
+  PetscBool  loads;        /* wall is that of the step that is made */
   PetscReal *share;        /* [capacity] part of the viscosity that is the balance */
   PetscReal *pair;         /* [pairs] of OperatorsViscosityPairs */
   PetscInt   capacity;
@@ -58,6 +60,7 @@ static PetscErrorCode Destroy(const Step *step)
   PetscFunctionBegin;
   PetscCall(PetscFree(data->force));
   PetscCall(PetscFree(data->seen));
+  PetscCall(PetscFree(data->wall));
   PetscCall(PetscFree(data->share));
   PetscCall(PetscFree(data->pair));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,6 +78,7 @@ static PetscErrorCode MakeRoom(Cloud cloud, Elastic *data)
     data->capacity = PetscMax(cloud->capacity, cloud->n_total);
     PetscCall(PetscRealloc(DIM * (size_t)data->capacity * sizeof(PetscReal), &data->force));
     PetscCall(PetscRealloc(DIM * (size_t)data->capacity * sizeof(PetscReal), &data->seen));
+    PetscCall(PetscRealloc(DIM * (size_t)data->capacity * sizeof(PetscReal), &data->wall));
     PetscCall(PetscRealloc((size_t)data->capacity * sizeof(PetscReal), &data->share));
   }
   if (OperatorsViscosityRoom(cloud) > data->pairs) {
@@ -84,40 +88,47 @@ static PetscErrorCode MakeRoom(Cloud cloud, Elastic *data)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The balance damps waves across a smoothing length in about their period; at most the viscosity of the stress in a
-   slow flow. */
+/* The balance (Pa s) damps waves across a smoothing length in about their period; at most the viscosity of the stress
+   in a slow flow. */
+static PetscReal Balance(Cloud cloud, PetscInt a)
+{
+  const Polymers *p = Of(cloud, a);
+  PetscReal       relaxation, w;
+
+  if (p->modulus == 0) return 0;
+  w = PolymersStiffness(p, cloud->field[FIELD_STRETCH] + 6 * a, &relaxation);
+  return PetscMin(w * relaxation, BALANCE * KernelSmoothingLength(cloud->kernel) * cloud->size[a] *
+                                    PetscSqrtReal(cloud->rest_density[a] * w));
+}
+
 static PetscErrorCode Thicken(const Step *step)
 {
-  Elastic        *data  = (Elastic *)step->own;
-  Cloud           cloud = step->cloud;
-  const PetscReal h     = KernelSmoothingLength(cloud->kernel);
-  PetscReal      *mu    = cloud->field[FIELD_VISCOSITY];
+  Elastic   *data  = (Elastic *)step->own;
+  Cloud      cloud = step->cloud;
+  PetscReal *mu    = cloud->field[FIELD_VISCOSITY];
 
   PetscFunctionBegin;
   PetscCall(MakeRoom(cloud, data));
   PetscCall(PetscArrayzero(data->share, cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Polymers *p = Of(cloud, a);
-    PetscReal       relaxation, w, balance;
+    const PetscReal balance = Balance(cloud, a);
 
-    if (p->modulus == 0) continue;
-    w       = PolymersStiffness(p, cloud->field[FIELD_STRETCH] + 6 * a, &relaxation);
-    balance = PetscMin(w * relaxation, BALANCE * h * cloud->size[a] * PetscSqrtReal(cloud->rest_density[a] * w));
     mu[a] += balance;
-    data->share[a] = balance / mu[a];
+    if (balance > 0) data->share[a] = balance / mu[a];
   }
   PetscCall(CloudUpdate(cloud, FIELD_VISCOSITY));
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, data->share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The stretch is that in the middle of the step, half a step after the velocity: a leapfrog. */
-static PetscErrorCode Force(const Step *step)
+/* Finds the forces of the stress at the positions of the last search; with stretches, after the polymers have been
+   stretched for a step: the stretch is that in its middle, half a step after the velocity, a leapfrog. */
+static PetscErrorCode Act(const Step *step, PetscBool stretches)
 {
   Elastic         *data      = (Elastic *)step->own;
   Cloud            cloud     = step->cloud;
   const Viscosity *viscosity = StepperViscosity(step->stepper);
-  PetscReal       *L, *T, *normal, *s = cloud->field[FIELD_STRETCH], *acceleration = cloud->field[FIELD_ACCELERATION];
+  PetscReal       *L, *T, *normal, *s = cloud->field[FIELD_STRETCH];
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, DIM * DIM, &L));
@@ -126,29 +137,53 @@ static PetscErrorCode Force(const Step *step)
   PetscCall(OperatorsVelocityGradient(cloud, viscosity, L));
   PetscCall(ElasticNormals(cloud, normal));
   ElasticSolenoidal(cloud, normal, L);
+  for (PetscInt a = 0; a < cloud->n_fluid && stretches; a++)
+    if (Of(cloud, a)->modulus > 0)
+      PolymersStretch(Of(cloud, a), (PetscReal(*)[DIM])(L + DIM * DIM * a), step->dt, s + 6 * a);
+  if (stretches) PetscCall(ElasticMix(cloud, L, step->dt));
   PetscCall(PetscArrayzero(T, 6 * cloud->n_total));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Polymers *p = Of(cloud, a);
-
-    if (p->modulus > 0) PolymersStretch(p, (PetscReal(*)[DIM])(L + DIM * DIM * a), step->dt, s + 6 * a);
-  }
-  PetscCall(ElasticMix(cloud, L, step->dt));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    const Polymers *p = Of(cloud, a);
-
-    if (p->modulus > 0) PolymersStress(p, s + 6 * a, T + 6 * a);
-  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++)
+    if (Of(cloud, a)->modulus > 0) PolymersStress(Of(cloud, a), s + 6 * a, T + 6 * a);
   PetscCall(CloudUpdateArray(cloud, 6, PARITY_TENSOR, T));
-  PetscCall(ElasticDivergence(cloud, normal, T, data->force));
+  PetscCall(PetscArrayzero(data->wall, DIM * cloud->n_total));
+  PetscCall(ElasticDivergence(cloud, normal, T, data->force, data->wall));
   PetscCall(OperatorsViscosityPairs(cloud, viscosity, cloud->rest_density, data->pair));
-  PetscCall(ElasticSeen(cloud, viscosity, data->pair, data->share, L, data->seen));
-  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) {
-    data->force[k] /= cloud->rest_density[k / DIM];
-    acceleration[k] += data->force[k] + data->seen[k];
-  }
+  PetscCall(ElasticSeen(cloud, viscosity, data->pair, data->share, L, data->seen, data->wall));
+  for (PetscInt k = 0; k < DIM * cloud->n_fluid; k++) data->force[k] /= cloud->rest_density[k / DIM];
   PetscCall(CloudRestoreWork(cloud, &normal));
   PetscCall(CloudRestoreWork(cloud, &T));
   PetscCall(CloudRestoreWork(cloud, &L));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Force(const Step *step)
+{
+  Elastic   *data         = (Elastic *)step->own;
+  PetscReal *acceleration = step->cloud->field[FIELD_ACCELERATION];
+
+  PetscFunctionBegin;
+  PetscCall(Act(step, PETSC_TRUE));
+  for (PetscInt k = 0; k < DIM * step->cloud->n_fluid; k++) acceleration[k] += data->force[k] + data->seen[k];
+  data->loads = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Load(const Step *step, PetscReal force[])
+{
+  Elastic         *data  = (Elastic *)step->own;
+  Cloud            cloud = step->cloud;
+  const PetscReal *mu    = cloud->field[FIELD_VISCOSITY];
+
+  PetscFunctionBegin;
+  if (!data->loads) {
+    PetscCall(MakeRoom(cloud, data));
+    PetscCall(PetscArrayzero(data->share, cloud->n_total));
+    for (PetscInt a = 0; a < cloud->n_fluid; a++)
+      if (mu[a] > 0) data->share[a] = PetscMin(1, Balance(cloud, a) / mu[a]);
+    PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, data->share));
+    PetscCall(Act(step, PETSC_FALSE));
+  }
+  for (PetscInt k = DIM * cloud->n_fluid; k < DIM * cloud->n_total; k++) force[k] += data->wall[k];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,6 +195,7 @@ static PetscErrorCode Kick(const Step *step)
 
   PetscFunctionBegin;
   data->fastest = 0;
+  data->loads   = PETSC_FALSE;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const Polymers  *p    = Of(cloud, a);
     const PetscReal *s    = cloud->field[FIELD_STRETCH] + 6 * a;
@@ -238,9 +274,6 @@ static const Refusal   refusals[] = {
     {POLYMERS, NEEDS, FEATURE_CONSISTENT, ", the default"},
     {POLYMERS, NEEDS, FEATURE_CENTERED, ", the default"},
     {"-viscosity_form morris", NOT_WITH, POLYMERS, ": its forces do not act along the line of centres"},
-    {"-gauge_forces", NOT_WITH, POLYMERS, " yet: forces on walls lack the stress of polymers"},
-    {"-gauge_moments", NOT_WITH, POLYMERS, " yet: forces on walls lack the stress of polymers"},
-    {"-<solid>_mass", NOT_WITH, POLYMERS, " yet: the stress of polymers does not act on it"},
     {.one = NULL},
 };
 
@@ -263,4 +296,5 @@ const Edge ElasticEdge = {.name        = "elastic",
                           .commit      = Commit,
                           .renew       = Renew,
                           .bound       = Bound,
+                          .load        = Load,
                           .report      = Report};

@@ -58,14 +58,15 @@ PetscReal PolymersStiffness(const Polymers *p, const PetscReal s[6], PetscReal *
    ElasticMix - mixes FIELD_STRETCH of a particle with that of like neighbours less its slope: in a unit of shear of the
    gradients L ([n_fluid][9], 1/s), in which it gets new neighbours, wholly; time (s). Collective.
    ElasticDivergence - force ([n_fluid][3], N/m3) = div T of stresses ([n_total][6], Pa), no stress on the free surface;
-   conserves momentum but for what walls take. Collective. */
+   conserves momentum but for what walls take, which is added to wall ([n_total][3], N). Collective. */
 PetscErrorCode ElasticNormals(Cloud cloud, PetscReal n[]);
 void           ElasticSolenoidal(Cloud cloud, const PetscReal n[], PetscReal L[]);
 PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time);
-PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal n[], const PetscReal T[], PetscReal force[]);
+PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal n[], const PetscReal T[], PetscReal force[],
+                                 PetscReal wall[]);
 /* ElasticSeen - out ([n_fluid][3], m/s2): minus what the shares ([n_total], 1) of the viscosity do to the velocities of
-   the fit L ([n_fluid][9], 1/s). pair: of OperatorsViscosityPairs. Collective. */
+   the fit L ([n_fluid][9], 1/s). pair: of OperatorsViscosityPairs. wall: as above. Collective. */
 PetscErrorCode ElasticSeen(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[], const PetscReal share[],
-                           const PetscReal L[], PetscReal out[]);
+                           const PetscReal L[], PetscReal out[], PetscReal wall[]);
 
 #endif

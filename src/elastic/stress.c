@@ -195,9 +195,23 @@ static void DivergenceRow(Cloud cloud, const PetscReal T[], PetscInt a, const Pe
   if (cloud->domain->dim == 2) out[2] = conserved[2] = 0;
 }
 
+/* Adds the force (N) of fluid particle a on walls to the dummy particles around it, by their W'. */
+static void AddToWalls(Cloud cloud, PetscInt a, const PetscReal force[DIM], PetscReal wall[])
+{
+  PetscReal sum = 0;
+  PairRow   row;
+
+  PairRowLoadFactors(cloud, a, &row);
+  for (PetscInt k = 0; k < row.n; k++) sum += cloud->integer[INT_LAYER][row.index[k]] ? row.f[k] : 0;
+  for (PetscInt k = 0; k < row.n && sum != 0; k++)
+    for (PetscInt d = 0; d < DIM && cloud->integer[INT_LAYER][row.index[k]]; d++)
+      wall[DIM * row.index[k] + d] += force[d] * row.f[k] / sum;
+}
+
 /* The neighbours share the opposite of what a row differs from the conserved sum by: what is left of that is smooth.
    Rows beside walls, which have no stress in these sums, give the wall their momentum. */
-PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal normal[], const PetscReal T[], PetscReal force[])
+PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal normal[], const PetscReal T[], PetscReal force[],
+                                 PetscReal wall[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
   PetscReal       *weight, *change, conserved[DIM];
@@ -214,7 +228,9 @@ PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal normal[], const Pe
     for (PetscInt d = 0; d < DIM; d++) {
       change[DIM * a + d] = share ? (f[d] - conserved[d]) / cloud->rest_density[a] : 0;
       f[d] -= cloud->rest_density[a] * change[DIM * a + d];
+      conserved[d] = cloud->volume[a] * (conserved[d] - f[d]);
     }
+    if (!share) AddToWalls(cloud, a, conserved, wall);
   }
   PetscCall(OperatorsCompensationWeights(cloud, weight));
   PetscCall(OperatorsCompensate(cloud, weight, x, NULL, cloud->field[FIELD_VELOCITY], change));
@@ -246,7 +262,7 @@ static PetscErrorCode FindStrains(Cloud cloud, const PetscReal L[], PetscReal D[
 }
 
 PetscErrorCode ElasticSeen(Cloud cloud, const Viscosity *viscosity, const PetscReal pair[], const PetscReal share[],
-                           const PetscReal L[], PetscReal out[])
+                           const PetscReal L[], PetscReal out[], PetscReal wall[])
 {
   const PetscReal *x = cloud->field[FIELD_POSITION];
   PetscReal       *D, *depth;
@@ -260,19 +276,21 @@ PetscErrorCode ElasticSeen(Cloud cloud, const Viscosity *viscosity, const PetscR
     PetscReal sum[DIM] = {-pair[cloud->first[cloud->n_fluid] + a] * share[a] * cloud->field[FIELD_VELOCITY][DIM * a]};
 
     for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-      const PetscInt  b      = cloud->list[k];
-      const PetscBool wall   = (PetscBool)(cloud->integer[INT_LAYER][b] > 0);
-      const PetscReal d[DIM] = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1],
-                                x[DIM * a + 2] - x[DIM * b + 2]},
-                      part   = wall ? share[a] : 0.5 * (share[a] + share[b]);
+      const PetscInt  b        = cloud->list[k];
+      const PetscBool boundary = (PetscBool)(cloud->integer[INT_LAYER][b] > 0);
+      const PetscReal d[DIM]   = {x[DIM * a] - x[DIM * b], x[DIM * a + 1] - x[DIM * b + 1],
+                                  x[DIM * a + 2] - x[DIM * b + 2]},
+                      part     = boundary ? share[a] : 0.5 * (share[a] + share[b]);
       PetscReal mean[6], u[DIM], along;
 
       if (part == 0) continue;
-      for (PetscInt m = 0; m < 6; m++) mean[m] = wall ? D[6 * a + m] : 0.5 * (D[6 * a + m] + D[6 * b + m]);
+      for (PetscInt m = 0; m < 6; m++) mean[m] = boundary ? D[6 * a + m] : 0.5 * (D[6 * a + m] + D[6 * b + m]);
       TensorApply(mean, d[0], d[1], d[2], u);
       along = Dot(u, d) * pair[k] * part;
-      if (wall && viscosity->no_slip) along *= OperatorsWallFraction(cloud, a, b, depth);
+      if (boundary && viscosity->no_slip) along *= OperatorsWallFraction(cloud, a, b, depth);
       for (PetscInt i = 0; i < DIM; i++) sum[i] -= along * d[i];
+      for (PetscInt i = 0; i < DIM && boundary; i++)
+        wall[DIM * b + i] += cloud->volume[a] * cloud->rest_density[a] * along * d[i];
     }
     for (PetscInt i = 0; i < DIM; i++) out[DIM * a + i] = sum[i];
   }

@@ -1,4 +1,5 @@
 /* Forces of the liquid on the walls of the box and on solids: columns of the series. */
+#include "../stepper/stepper.h"
 #include "gauges_impl.h"
 
 #define TIE 1e-6 /* spacings: depths that differ by less are equal */
@@ -191,6 +192,7 @@ static PetscErrorCode Measure_Forces(Gauges gauges, const void *data, PetscReal 
   if (gauges->viscosity) {
     PetscCall(CloudUpdate(cloud, FIELD_VELOCITY));
     PetscCall(OperatorsWallDrag(cloud, gauges->viscosity, cloud->field[FIELD_VELOCITY], on_dummy));
+    if (gauges->run) PetscCall(StepperLoad((Stepper)gauges->run, on_dummy));
     AddToReceivers(gauges, PETSC_FALSE, on_dummy, about, force, moment);
   }
   PetscCall(CloudRestoreWork(cloud, &on_dummy));

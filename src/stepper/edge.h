@@ -126,6 +126,8 @@ typedef struct _Edge {
   void (*bound)(const Step *step, PetscReal scale, StepBound *bound);
   /* the pressure (Pa, over that of the open air) at x (m), where no liquid is. Not collective. */
   PetscReal (*beside)(const Step *step, const PetscReal x[DIM]);
+  /* adds to force ([n_total][3], N) what its stress in the liquid does to dummy particles, at the last search */
+  PetscErrorCode (*load)(const Step *step, PetscReal force[]);
   /* whether it can bring liquid any energy, so that the scene bounds none */
   PetscBool (*drives)(const Step *step);
   /* the speed (m/s) that it gives liquid from rest, as far as the options tell. Not collective. */

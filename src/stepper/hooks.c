@@ -116,6 +116,14 @@ PetscErrorCode StepperBring(Stepper stepper, Packing packing, Gauges gauges, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode StepperLoad(Stepper stepper, PetscReal force[])
+{
+  PetscFunctionBegin;
+  for (Step step = StepFirst(stepper); *step.edge; StepNext(&step)) /* hooks call it, too */
+    if ((*step.edge)->load && StepHas(&step)) PetscCall((*step.edge)->load(&step, force));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscReal StepperFilling(Stepper stepper, PetscInt body, PetscInt *particles)
 {
   for (Step step = StepFirst(stepper); *step.edge; StepNext(&step))

@@ -126,6 +126,9 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
 PetscErrorCode StepperPredict(Stepper stepper, const StepState *state, PetscReal *dt);
 /* StepperViscosity - the viscous term as -viscosity_form and -viscosity_wall choose it; borrowed. Not collective. */
 const Viscosity *StepperViscosity(Stepper stepper);
+/* StepperLoad - adds to force ([n_total][3], N) what stresses that edges give the liquid do to dummy particles, at the
+   last search and with the velocities of ghosts. Collective. */
+PetscErrorCode StepperLoad(Stepper stepper, PetscReal force[]);
 /* StepperRefresh - computes the work fields that gauges read (see GaugesSetRefresh) from the swarm's state. No stored
    field changes. Collective. */
 PetscErrorCode StepperRefresh(Stepper stepper);

@@ -526,7 +526,7 @@ class Channel(Vessel):
 def elastic(number):
     """Scenes of the other families whose liquids have polymers; the next one where the program refuses a scene then."""
     drawn = map((Scene, Vessel, Channel)[number % 3], itertools.count(1000 * number))
-    scene = next(s for s in drawn if not s.options.keys() & {"-scheme", "-viscosity_form", "-ball_mass"})
+    scene = next(s for s in drawn if not s.options.keys() & {"-scheme", "-viscosity_form"})
     for name in scene.bodies:
         model = scene.draw.choice(("oldroyd_b", "giesekus", "fene_p"))
         scene.set(f"{name}_polymer_model", model)
