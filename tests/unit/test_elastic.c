@@ -12,6 +12,7 @@
 #define CHANNEL                                                                                                        \
   "-dimension 2 -spacing 0.1e-3 -box_lower 0,0 -box_upper 2e-3,1.5e-3 -box_x periodic -box_ymin wall -bodies film "    \
   "-film_upper 2e-3,1e-3 -film_polymer_modulus 10 -film_relaxation_time 1 -film_viscosity 0.1 "
+#define WIDTH 2e-3 /* m, of its wall */
 
 static const PetscInt At[DIM][DIM] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
@@ -82,7 +83,7 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
   const PetscReal k = 2 * PETSC_PI / 4e-3;
   char            options[1024], name[64];
   Setup           s;
-  PetscReal      *T, *n, *f, A0 = 0, A1 = 0, power = 0, push = 0;
+  PetscReal      *T, *n, *f, *wall, A0 = 0, A1 = 0, power = 0, push = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof(options), THREAD "-jet_radius %g -jet_wave_amplitude %g", (double)radius,
@@ -92,6 +93,7 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
   PetscCall(CloudGetWork(s.cloud, 6, &T));
   PetscCall(CloudGetWork(s.cloud, DIM, &n));
   PetscCall(CloudGetWork(s.cloud, DIM, &f));
+  PetscCall(CloudGetWork(s.cloud, DIM, &wall));
   PetscCall(PetscArrayzero(T, 6 * s.cloud->n_total));
   PetscCall(PetscArrayzero(s.cloud->field[FIELD_VELOCITY], DIM * s.cloud->n_total));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
@@ -110,7 +112,7 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
   }
   PetscCall(CloudUpdateArray(s.cloud, 6, PARITY_TENSOR, T));
   PetscCall(ElasticNormals(s.cloud, n));
-  PetscCall(ElasticDivergence(s.cloud, n, T, f));
+  PetscCall(ElasticDivergence(s.cloud, n, T, f, wall));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     power += s.cloud->volume[a] * f[DIM * a + 1] * PetscSinReal(k * s.cloud->field[FIELD_POSITION][DIM * a + 1]);
     push += s.cloud->volume[a] * f[DIM * a + 1];
@@ -118,6 +120,7 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
   PetscCall(PetscSNPrintf(name, sizeof(name), "pull of a thread of %g spacings", (double)radius / 1e-4));
   CHECK_CLOSE(SetupSum(power) / (-0.5 * k * A1), 1, tol, name);
   CHECK_CLOSE(SetupSum(push) / (k * A1), 0, 1e-5, "its momentum stays"); /* weights have single precision */
+  PetscCall(CloudRestoreWork(s.cloud, &wall));
   PetscCall(CloudRestoreWork(s.cloud, &f));
   PetscCall(CloudRestoreWork(s.cloud, &n));
   PetscCall(CloudRestoreWork(s.cloud, &T));
@@ -126,12 +129,13 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
 }
 
 /* A film on a wall shears, at rest on the wall: what all of the viscosity does to the velocities of the fit is what it
-   does to the velocities. */
+   does to the velocities, and walls get nothing. The stress (1, 2) Pa on the wall pulls at it as it does in the liquid.
+ */
 static PetscErrorCode TestSeen(void)
 {
   Setup      s;
   Viscosity  viscosity = {.form = VISCOSITY_MOMENT};
-  PetscReal *L, *share, *seen, *pair, *u, most = 0, off = 0;
+  PetscReal *L, *share, *seen, *pair, *u, *drag, *wall, *T, most = 0, off = 0, on[DIM] = {0, 0, 0};
 
   PetscFunctionBegin;
   PetscCall(SetupPack(CHANNEL, &s));
@@ -149,11 +153,16 @@ static PetscErrorCode TestSeen(void)
   PetscCall(CloudGetWork(s.cloud, 1, &share));
   PetscCall(CloudGetWork(s.cloud, DIM, &seen));
   PetscCall(CloudGetWork(s.cloud, DIM, &u));
+  PetscCall(CloudGetWork(s.cloud, DIM, &drag));
+  PetscCall(CloudGetWork(s.cloud, DIM, &wall));
+  PetscCall(CloudGetWork(s.cloud, 6, &T));
   PetscCall(PetscMalloc1(OperatorsViscosityRoom(s.cloud), &pair));
   for (PetscInt a = 0; a < s.cloud->n_total; a++) share[a] = s.cloud->integer[INT_LAYER][a] == 0;
   PetscCall(OperatorsVelocityGradient(s.cloud, &viscosity, L));
   PetscCall(OperatorsViscosityPairs(s.cloud, &viscosity, s.cloud->rest_density, pair));
-  PetscCall(ElasticSeen(s.cloud, &viscosity, pair, share, L, seen));
+  PetscCall(PetscArrayzero(wall, DIM * s.cloud->n_total));
+  PetscCall(ElasticSeen(s.cloud, &viscosity, pair, share, L, seen, wall));
+  PetscCall(OperatorsWallDrag(s.cloud, &viscosity, s.cloud->field[FIELD_VELOCITY], drag));
   PetscCall(PetscArraycpy(u, s.cloud->field[FIELD_VELOCITY], DIM * s.cloud->n_total));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     PetscReal all[DIM];
@@ -165,7 +174,25 @@ static PetscErrorCode TestSeen(void)
     }
   }
   CHECK_CLOSE(SetupMax(off) / SetupMax(most), 0, 1e-6, "a linear velocity feels none of the balance");
+  off = most = 0;
+  for (PetscInt k = DIM * s.cloud->n_fluid; k < DIM * s.cloud->n_total; k++) {
+    most = PetscMax(most, PetscAbsReal(drag[k]));
+    off  = PetscMax(off, PetscAbsReal(drag[k] + wall[k]));
+  }
+  CHECK_CLOSE(SetupMax(off) / SetupMax(most), 0, 1e-6, "and gives walls none");
+  PetscCall(PetscArrayzero(wall, DIM * s.cloud->n_total));
+  for (PetscInt a = 0; a < s.cloud->n_total; a++)
+    for (PetscInt m = 0; m < 6; m++) T[6 * a + m] = (m == 3) + 2 * (m == 1);
+  PetscCall(ElasticNormals(s.cloud, u));
+  PetscCall(ElasticDivergence(s.cloud, u, T, seen, wall));
+  for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_total; a++)
+    for (PetscInt d = 0; d < DIM; d++) on[d] += wall[DIM * a + d];
+  CHECK_CLOSE(SetupSum(on[0]) / WIDTH, 1, 0.01, "shear stress on a wall");
+  CHECK_CLOSE(SetupSum(on[1]) / WIDTH, 2, 0.02, "normal stress on a wall");
   PetscCall(PetscFree(pair));
+  PetscCall(CloudRestoreWork(s.cloud, &T));
+  PetscCall(CloudRestoreWork(s.cloud, &wall));
+  PetscCall(CloudRestoreWork(s.cloud, &drag));
   PetscCall(CloudRestoreWork(s.cloud, &u));
   PetscCall(CloudRestoreWork(s.cloud, &seen));
   PetscCall(CloudRestoreWork(s.cloud, &share));
