@@ -18,6 +18,7 @@ from display import together, with_display
 
 TIMES = (2e-3, 6e-3, 12e-3, 25e-3, 45e-3, 60e-3)  # s: crown, crater, its end, jet
 PANEL = (1000, 700)  # pixels of a rendered view
+LETTERS = 17  # points, of figure 1: 9 pixels on a telephone that is 390 wide
 SECTION = (-21.5e-3, 21.5e-3, -10e-3, 20.1e-3)  # m: x and z limits of the section's picture, as high as the jet
 EYE = dict(position=(34e-3, -92e-3, 84e-3), focus=(1e-3, 0, -4.7e-3), up=(0, 0, 1), angle=20.2)
 CURVES = {"crown_height": "crown height H (mm)", "crater_depth": "crater depth D (mm)",
@@ -134,22 +135,22 @@ def figure_1(folder, times, quarter, path):
             panel.set(xticks=[], yticks=[])
             for spine in panel.spines.values():
                 spine.set(color="0.8", lw=0.8)
-        row[0].text(0.025, 0.955, f"{round(1e3 * time, 1):g} ms", transform=row[0].transAxes, va="top", size=13,
-                    weight="bold")
-    titles = ("drop and film", "the drop's liquid from above", "section through the axis")
+        row[0].text(0.025, 0.955, f"{round(1e3 * time, 1):g} ms", transform=row[0].transAxes, va="top",
+                    size=1.1 * LETTERS, weight="bold")
+    titles = ("drop and film", "drop's liquid from above", "section through the axis")
     for panel, title in zip(axes[0], titles):
-        panel.set_title(title, size=11)
+        panel.set_title(title, size=LETTERS)
     for panel, x, z in ((axes[-1][1], 7, -11.6), (axes[-1][2], 8.5, 14.4)):
         panel.plot([x, x + 10], [z, z], color="black", lw=2)
-        panel.text(x + 5, z + 0.4, "10 mm", ha="center", va="bottom", size=10)
+        panel.text(x + 5, z + 0.4, "10 mm", ha="center", va="bottom", size=LETTERS)
     legend = [Patch(color=color, label=label) for color, label in (
         (surface.DROP_COLOR, "liquid of the drop"), (surface.FILM_COLOR, "of the film"),
         (surface.THIN_COLOR, "where it is thin"), (surface.PALE_COLOR, "of the film, pale"))]
     halves = sorted({face[0] for face in mirrors} | ({"x", "y"} if quarter else set()))
-    figure.legend(handles=legend, loc="upper center", bbox_to_anchor=(0.51, 0.108), ncols=4, frameon=False, fontsize=11,
-                  title=("", "half of the liquid was computed, mirrored in {}",
-                         "a quarter of the liquid was computed, mirrored in {}")[len(halves)].format(
-                             " and ".join(halves)) or None)
+    words = ("", "half of the liquid was computed, mirrored in {}",
+             "a quarter of the liquid was computed, mirrored in {}")[len(halves)].format(" and ".join(halves))
+    figure.legend(handles=legend, loc="upper center", bbox_to_anchor=(0.51, 0.108), ncols=2, frameon=False,
+                  fontsize=LETTERS, title_fontsize=LETTERS, columnspacing=1, title=words or None)
     figure.savefig(path, dpi=140, bbox_inches="tight", pad_inches=0.06)
     plt.close(figure)
 

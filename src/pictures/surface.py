@@ -23,7 +23,7 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
 FILTER = 0.6  # standard deviation of the Gaussian, spacings
 LEVEL = 0.45  # of the volume fraction: a layer one particle thick still shows
 SIZE_STEP = 1.4  # ratio of sizes that are spread by different Gaussians
-SPREAD = 2.5  # spacings over which the drop's share is averaged where it is thinner than a particle
+SPREAD = 2.5  # own spacings over which the drop's share is averaged where it is thinner than a particle
 WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
@@ -208,6 +208,7 @@ class Liquid:
         near, (of_drop, share, size) = with_images(self.points, (self.of_drop, self.share, self.size), lower, upper,
                                                    margin * self.cell)
         places, weight = (near[:, axes] - self.origin) / self.cell, share * (spacing / self.cell) ** dim
+        self.near = places, size, (weight * of_drop, weight)
         self.drop, self.all, sized = spread(places, size, (weight * of_drop, weight, weight * size), shape,
                                             FILTER * spacing / self.cell)
         self.sized = sized / np.maximum(self.all, 1e-6)
@@ -241,15 +242,16 @@ class Liquid:
         flags[flags] = sample(field, self.places(self.points[flags])) < level
         return flags
 
-    def drop_share(self, points, spread=False):
-        """The drop's part of the liquid at points (m): 0 film, 1 drop. It is sharpened for the eye; with spread it
+    def drop_share(self, points, layer=False):
+        """The drop's part of the liquid at points (m): 0 film, 1 drop. It is sharpened for the eye; with layer it
         is the mean of the surroundings, which shows the amount of a layer one particle thick in spite of its gaps."""
         places = self.places(points)
-        if spread:
+        if layer:
             width = SPREAD * self.spacing / self.cell
             stride = max(1, int(width / WIDTH))  # a wide Gaussian needs no more nodes
-            drop, every = (sample(blur(field[(slice(None, None, stride),) * field.ndim], width / stride),
-                                  places / stride) for field in (self.drop, self.all))
+            near, size, weights = self.near
+            drop, every = (sample(field, places / stride) for field in spread(
+                near / stride, size, weights, tuple(n // stride + 2 for n in self.all.shape), width / stride))
             return np.clip(drop / np.maximum(every, 1e-6) / LAYER_SHARE, 0, 1)
         share = sample(self.drop, places) / np.maximum(sample(self.all, places), 1e-6)
         share = np.clip((share - 0.3) / 0.4, 0, 1)
@@ -467,14 +469,14 @@ def spheres(centers, radius):
     return points, np.tile(unit, (len(centers), 1)), (cells + offsets).reshape(-1, 3)
 
 
-def surface(liquid, spread=False):
-    """Points, normals, triangles and drop shares (spread: see drop_share) of the liquid's surface."""
+def surface(liquid, layer=False):
+    """Points, normals, triangles and drop shares (layer: see drop_share) of the liquid's surface."""
     mesh = liquid.mesh()
     loose = liquid.lonely(liquid.block, LEVEL, np.ones(len(liquid.points), bool))
     balls = strays(liquid.points[loose], liquid.spacing, liquid.share[loose], liquid.rings)
     own = np.repeat(liquid.of_drop[loose], len(balls[0]) // max(1, loose.sum()))
     own = liquid.drop_share(balls[0]) if liquid.rings else own
-    share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], spread), own])
+    share = np.concatenate([liquid.drop_share(mesh[0] - 0.5 * liquid.spacing * mesh[1], layer), own])
     return (np.concatenate([mesh[0], balls[0]]), np.concatenate([mesh[1], balls[1]]),
             np.concatenate([mesh[2], balls[2] + len(mesh[0])]), share)
 
