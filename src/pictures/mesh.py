@@ -16,8 +16,6 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from isph import tables  # noqa: E402
 
 LEAST = 8
-FARTHEST = 0.5  # spacings, largest displacement of a corner that gives the mesh the liquid's volume
-HALVINGS = 20  # bisections of this range
 
 
 def pieces(points, cells, spacing):
@@ -32,32 +30,6 @@ def pieces(points, cells, spacing):
     a, b, c = (points[cells[:, k]] for k in range(3))
     volume = np.bincount(region, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6)
     return np.abs(volume) / spacing**3, region
-
-
-def held(points, cells):
-    """The volume within a closed mesh."""
-    a, b, c = (points[cells[:, k]] for k in range(3))
-    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
-
-
-def fitted(fluid, points, normals, cells, volume):
-    """The corners of a mesh, moved along their normals by one length, with which the mesh has the given volume. No
-    corner leaves the box through a face at which the liquid ends flat. The contour of the blurred liquid is up to a
-    fifth of a spacing too far out."""
-    near, far = -FARTHEST * fluid.spacing, FARTHEST * fluid.spacing
-    for _ in range(HALVINGS):
-        middle = 0.5 * (near + far)
-        moved = fluid.cut(points + middle * normals)
-        near, far = (middle, far) if held(moved, cells) < volume else (near, middle)
-    return moved
-
-
-def volume_of(run, state, lonely):
-    """The volume of the particles inside the surface; of rings the volume of each half, on both sides of the axis."""
-    each = state.share * run.spacing**3
-    if run.rings:
-        each = np.pi * np.abs(state.points[:, 0]) * state.share * run.spacing**2
-    return np.sum(np.where(lonely, 0, each))
 
 
 def polydata(points, cells=None):
@@ -103,17 +75,14 @@ def surface_of(run, state, least):
     """The mesh of a state, without small pieces."""
     table = np.column_stack([state.speed, state.pressure, state.body])
     fluid = views.Fluid(run, state.points, table, state.share, state.size)
-    points, normals, cells, lonely = fluid.mesh()
-    share = 1.0
+    points, normals, cells, _ = fluid.mesh()
+    points = fluid.cut(points)
     if len(cells):
         size, region = pieces(points, cells, run.spacing)
         cells = cells[size[region] >= least]
-        share = size[size >= least].sum() / size.sum()
     used, index = np.unique(cells, return_inverse=True)
     points, normals, cells = points[used], normals[used], index.reshape(-1, 3)
-    values = fluid.values(fluid.cut(points) - 0.5 * run.spacing * normals) if len(points) else np.zeros((0, 3))
-    if len(cells) and len(lonely) == len(state.points):  # all of the liquid is in the box
-        points = fitted(fluid, points, normals, cells, share * volume_of(run, state, lonely))
+    values = fluid.values(points - 0.5 * run.spacing * normals) if len(points) else np.zeros((0, 3))
     mesh = polydata(points, cells)
     found = {"speed": values[:, 0], "pressure": values[:, 1], "body": values[:, 2]}
     source = {"speed": "velocity", "pressure": "pressure", "body": "body"}

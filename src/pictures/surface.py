@@ -16,6 +16,7 @@ from vtkmodules.vtkFiltersCore import (vtkCleanPolyData, vtkCutter, vtkFlyingEdg
 from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingGeneral import vtkImageGaussianSmooth
+from vtkmodules.vtkImagingMorphological import vtkImageConnectivityFilter
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  registers the renderer
@@ -28,11 +29,13 @@ WIDTH = 2  # nodes, a Gaussian of a field that is sampled so often
 LAYER_SHARE = 0.2  # average with the drop's full colour: two thirds of a layer of particles
 CELL = 0.5  # largest cell of the grid, spacings
 MOST_NODES = 8e6  # of the grid: a larger box or a finer spacing gets larger cells
-BEHIND = 8  # most nodes behind a face at which the liquid ends flat: its edges, which filters round, are cut there
+BEHIND = 12  # most nodes behind a face at which the liquid ends flat: its edges, which filters round, are cut there
 SMOOTHING = 60  # iterations of the mesh filter (Taubin, Zhang and Golub 1996)
 PASS_BAND = 0.02  # of the mesh filter: bumps of some three spacings go, sheets and the tips of jets stay
 TOO_FAR = 0.075  # spacings, by which the contour at LEVEL of a flat surface is outside the liquid
 TURNS = (0, 8, 32)  # iterations, over the square of the cells in a spacing, for sizes 1, 2, 4: over 0.7 own spacings
+FARTHEST = 0.5  # spacings, largest displacement of a corner that gives a piece of liquid its volume
+FIRST_MOVE, SECANTS = 0.01, 3  # spacings, steps: of the secant method that finds it
 RELAXED = 0.5  # share of the way to the mean of its neighbours that a corner goes in an iteration
 SOFT = 6  # passes that average the normals of a picture
 CALM = 24  # the same for the curvature: bumps of a few spacings are not to grow
@@ -202,7 +205,7 @@ class Liquid:
         cell = max(CELL * spacing, (np.prod(extent) / MOST_NODES) ** (1 / dim))
         half = 2 if self.rings else 1  # a node is on the axis
         self.cell = extent[0] / (half * np.ceil(extent[0] / (half * cell)))
-        margin = int(np.ceil(4 * FILTER * spacing * self.size.max(initial=1) / self.cell))
+        margin = max(BEHIND + 2, int(np.ceil(4 * FILTER * spacing * self.size.max(initial=1) / self.cell)))
         self.origin = np.asarray(lower, float)[axes] - margin * self.cell
         shape = tuple(np.ceil(extent / self.cell).astype(int) + 2 * margin + 1)
         near, (of_drop, share, size) = with_images(self.points, (self.of_drop, self.share, self.size), lower, upper,
@@ -229,8 +232,12 @@ class Liquid:
         """The surface in the form of triangles(), for all pictures of this liquid."""
         points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell, self.sized,
                                            self.spacing)
-        flat = cut(points, self.lower, self.upper, self.rings)
+        points = fitted(self, self.block, points, normals, cells)
+        flat = self.cut(points)
         return flat, softened(faced(normals, points, flat), cells), cells
+
+    def cut(self, points):
+        return cut(points, self.lower, self.upper, self.rings)
 
     def places(self, points):
         """Points (m) in units of the grid's nodes."""
@@ -289,7 +296,8 @@ def passed(algorithm, mesh):
 
 
 def smoothed(mesh):
-    """A mesh of triangles or lines (vtkPolyData), smoothed."""
+    """A mesh of triangles or lines (vtkPolyData), smoothed. What the filter takes from a jet or its tip it takes from
+    all corners around: triangles get the mean of that back."""
     if mesh.GetNumberOfPoints() == 0:
         return mesh
     smooth = vtkWindowedSincPolyDataFilter()
@@ -297,7 +305,22 @@ def smoothed(mesh):
     smooth.SetPassBand(PASS_BAND)
     smooth.FeatureEdgeSmoothingOff()
     smooth.NormalizeCoordinatesOn()
-    return passed(smooth, mesh)
+    out = passed(smooth, mesh)
+    if mesh.GetNumberOfPolys():
+        cells = vtk_to_numpy(out.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+        before, points = (vtk_to_numpy(one.GetPoints().GetData()).astype(float) for one in (mesh, out))
+        across = np.cross(points[cells[:, 1]] - points[cells[:, 0]], points[cells[:, 2]] - points[cells[:, 0]])
+        normals = summed(cells, np.repeat(across[:, None], 3, axis=1), len(points))
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        taken = np.einsum("ij,ij->i", before - points, normals)[:, None]
+        points = points + averaged(taken, normals, cells) * normals
+        out.GetPoints().SetData(numpy_to_vtk(points.astype(np.float32), deep=True))
+    return out
+
+
+def summed(cells, values, count):
+    """The sums at 'count' corners of a mesh [count][3] of values at the corners of its triangles [m][3][3]."""
+    return np.stack([np.bincount(cells.ravel(), values[..., d].ravel(), count) for d in range(3)], axis=1)
 
 
 def flattened(mesh, sized, origin, cell, spacing):
@@ -393,6 +416,53 @@ def triangles(field, level, origin, cell, sized=None, spacing=0.0):
     return points, normals, cells
 
 
+def fitted(fluid, field, points, normals, cells):
+    """The corners of a mesh, moved along their normals so that each piece of liquid has the volume of its particles:
+    all corners of a piece by one part of the spacing there, at most FARTHEST. fluid has the particles, the grid, and
+    what cuts the surface at faces at which the liquid ends flat; field: what the mesh is the contour of."""
+    if not len(cells):
+        return points
+    piece = regions(field, LEVEL)
+    own = fluid.spacing * sample(fluid.sized, fluid.places(points))
+    of_point = nearest(piece, fluid.places(points - fluid.cell * normals))
+    of_cell = of_point[cells].max(axis=1)
+    each = fluid.share * fluid.spacing**len(fluid.axes)
+    if len(fluid.axes) == 2:  # rings are on both sides of the axis
+        each = np.pi * np.abs(fluid.points[:, 0]) * each
+    wanted = np.bincount(nearest(piece, fluid.places(fluid.points)), each, piece.max() + 1)
+
+    def held(move):
+        a, b, c = fluid.cut(points + (move[of_point] * own)[:, None] * normals)[cells].transpose(1, 0, 2)
+        return np.bincount(of_cell, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6, len(wanted))
+
+    move, next_move = np.zeros(len(wanted)), np.full(len(wanted), FIRST_MOVE)
+    former = held(move)
+    for _ in range(SECANTS):
+        volume = held(next_move)
+        slope = (volume - former) / np.where(next_move == move, 1, next_move - move)
+        former, move = volume, next_move
+        next_move = np.clip(move + (wanted - volume) / np.where(slope > 0, slope, np.inf), -FARTHEST, FARTHEST)
+    return points + (np.where(of_point > 0, next_move[of_point], 0) * own)[:, None] * normals
+
+
+def regions(field, level):
+    """The connected parts of a field above a level, numbered from 1, at its nodes; 0 elsewhere."""
+    image, connect = vtkImageData(), vtkImageConnectivityFilter()
+    image.SetDimensions(*(field.shape + (1,) * (3 - field.ndim))[::-1])
+    image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(field).ravel()))
+    connect.SetScalarRange(level, float(field.max()))
+    connect.SetExtractionModeToAllRegions()
+    connect.SetLabelModeToSizeRank()
+    connect.SetLabelScalarTypeToInt()
+    return vtk_to_numpy(passed(connect, image).GetPointData().GetScalars()).reshape(field.shape)
+
+
+def nearest(piece, places):
+    """The pieces (of regions) at the nodes around places [n][d] in nodes; 0 where there is none."""
+    base = np.clip(np.floor(places).astype(int), 0, np.array(piece.shape) - 2)
+    return np.max([piece[tuple((base + corner).T)] for corner in np.ndindex(*(2,) * piece.ndim)], axis=0)
+
+
 def curvature(points, normals, cells, spacing):
     """The sum of the principal curvatures (1/m) at the corners of a mesh, positive where it is convex, at most one over
     a spacing (m), averaged like the normals: a Gaussian of the width w moves a surface inwards by w^2/2 times as
@@ -404,7 +474,7 @@ def curvature(points, normals, cells, spacing):
     grows = np.cross(side, (across / length[:, None])[:, None]) / 2
     outward = np.sign(np.einsum("ij,ij->i", across, normals[cells[:, 0]]))
     grows = grows * outward[:, None, None]
-    total = np.stack([np.bincount(cells.ravel(), grows[..., d].ravel(), len(points)) for d in range(3)], axis=1)
+    total = summed(cells, grows, len(points))
     area = np.bincount(cells.ravel(), np.repeat(length / 6, 3), len(points))
     bent = np.einsum("ij,ij->i", total, normals) / np.maximum(area, 1e-300)
     return averaged(np.clip(bent, -1 / spacing, 1 / spacing)[:, None], normals, cells, CALM)[:, 0]

@@ -89,7 +89,7 @@ class Fluid:
         self.share = share = share[inside]
         values, size = values[inside], size[inside]
         self.axes = axes = [0, 2] if run.rings else [0, 1, 2]
-        margin = 4 * surface.FILTER * run.spacing * size.max(initial=1)
+        margin = max(4 * surface.FILTER * size.max(initial=1), (surface.BEHIND + 2) * surface.CELL) * run.spacing
         lower = np.maximum(run.lower, self.points.min(axis=0) - margin)[axes]
         upper = np.minimum(run.upper, self.points.max(axis=0) + margin)[axes]
         least = (np.prod(upper - lower) / surface.MOST_NODES) ** (1 / len(axes))
@@ -121,12 +121,12 @@ class Fluid:
         return np.stack([surface.sample(moment, places) / amount for moment in self.moment], axis=1)
 
     def normals(self, points):
-        """[n][3]: outward normals at points of the surface, by differences of the volume fraction over a cell."""
-        way = np.eye(3)[self.axes] * self.cell
+        """[n][3]: outward normals at points of the surface, by differences of the volume fraction over two spacings."""
+        way = np.eye(3)[self.axes] * self.spacing
         if len(self.axes) == 2:  # of rings: away from the axis, and along it
             out = points * [1, 1, 0]
             out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-30)
-            way = [self.cell * out, way[1]]
+            way = [self.spacing * out, way[1]]
         sides = [np.broadcast_to(one, points.shape) for one in way]
         slope = sum((surface.sample(self.fraction, self.places(points - one))
                      - surface.sample(self.fraction, self.places(points + one)))[:, None] * one for one in sides)
@@ -142,6 +142,7 @@ class Fluid:
         """Points, normals, triangles of the surface, and which particles are outside it."""
         points, normals, cells = surface.triangles(self.fraction, surface.LEVEL, self.origin, self.cell, self.sized,
                                                    self.spacing)
+        points = surface.fitted(self, self.fraction, points, normals, cells)
         lonely = surface.sample(self.fraction, self.places(self.points)) < surface.LEVEL
         return points, normals, cells, lonely
 
