@@ -187,6 +187,12 @@ def between(field, shape):
     return field
 
 
+def ending(nodes, lower, upper, behind=BEHIND):
+    """The factors of a field at nodes along an axis with which it ends behind faces at lower and upper (nodes; infinite:
+    there is none), not at once: the filter of the mesh swells at sharp edges."""
+    return np.clip(2 - 2 * np.maximum(lower - nodes, nodes - upper) / behind, 0, 1)
+
+
 class Liquid:
     """The volume fractions of all liquid and of the drop on a grid over the box.
 
@@ -219,13 +225,11 @@ class Liquid:
         # The block of liquid ends at the sides and the bottom of the box with flat faces; mesh() cuts it there.
         self.lower, self.upper = np.array(lower, float), np.array([*upper[:2], np.inf])
         layer = int(np.ceil(spacing / self.cell))
-        self.block, behind = np.minimum(self.all, 1), min(BEHIND, margin - 2)
+        self.block = np.minimum(self.all, 1)
         self.block[..., :margin + layer] = self.block[..., margin + layer, None]
-        for axis in range(dim - 1):
-            beyond = np.ones(shape[axis], bool)
-            beyond[margin - behind:margin + int(round(extent[axis] / self.cell)) + 1 + behind] = False
-            np.moveaxis(self.block, axis, 0)[beyond] = 0
-        self.block[..., :margin - behind] = 0
+        for axis in range(dim):
+            top = np.inf if axis == dim - 1 else round(extent[axis] / self.cell) + margin
+            np.moveaxis(self.block, axis, -1)[...] *= ending(np.arange(shape[axis]), margin, top)
 
     @functools.lru_cache(maxsize=1)
     def mesh(self):

@@ -104,12 +104,12 @@ class Fluid:
             places, size, [weight, weight * size, *(weight * value.T)], shape, surface.FILTER * run.spacing / self.cell)
         self.sized = sized / np.maximum(self.fraction, 1e-6)
         for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
-            nodes = self.origin[d] + self.cell * np.arange(shape[d])
-            behind = (min(surface.BEHIND, margin / self.cell - 2) + 0.5) * self.cell
-            for side, beyond in ((0, nodes < run.lower[axis] - behind), (1, nodes > run.upper[axis] + behind)):
-                if run.faces[axis][side] != "open":
-                    for field in (self.fraction, *self.moment):
-                        np.moveaxis(field, d, 0)[beyond] = 0
+            ends = [(run.lower, run.upper)[side][axis] if kind != "open" else (2 * side - 1) * np.inf
+                    for side, kind in enumerate(run.faces[axis])]
+            share = surface.ending(np.arange(shape[d]), *((np.array(ends) - self.origin[d]) / self.cell),
+                                   min(surface.BEHIND, margin / self.cell - 2))
+            for field in (self.fraction, *self.moment):
+                np.moveaxis(field, d, -1)[...] *= share
 
     def places(self, points):
         return (surface.in_plane(points, self.axes) - self.origin) / self.cell
