@@ -116,6 +116,33 @@ static PetscErrorCode Predict(const Step *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What pushes amid its like has no equation for its pressure. When it comes up to liquid that flows, the former
+   pressure acts there before the next is known: so it has the mean of those around that have one. With 0 a viscous
+   channel lost a fifth of the slope of its pressure in long steps, the more the higher its pressure. */
+static PetscErrorCode ContinuePressure(const Step *step)
+{
+  const Emissions *emissions = (Emissions *)step->own;
+  const Cloud      cloud     = step->cloud;
+  PetscReal       *p = cloud->field[FIELD_PRESSURE], *has;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, 1, &has));
+  for (PetscInt a = 0; a < cloud->n_owned; a++) has[a] = PressureRow(step->pressure, a) >= 0;
+  PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, has));
+  for (const Pushed *q = emissions->pushed; q < emissions->pushed + emissions->count; q++) {
+    PetscReal sum = 0, count = 0;
+
+    for (PetscInt64 k = cloud->first[q->a]; k < cloud->first[q->a + 1] && !has[q->a]; k++) {
+      sum += has[cloud->list[k]] * p[cloud->list[k]];
+      count += has[cloud->list[k]];
+    }
+    if (count > 0) p[q->a] = sum / count;
+  }
+  PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
+  PetscCall(CloudRestoreWork(cloud, &has));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Kick(const Step *step)
 {
   Emissions *emissions = (Emissions *)step->own;
@@ -124,6 +151,7 @@ static PetscErrorCode Kick(const Step *step)
 
   PetscFunctionBegin;
   if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(ContinuePressure(step));
   PetscCall(CloudGetWork(cloud, DIM, &force));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
   for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {

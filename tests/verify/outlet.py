@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Outlets, open faces whose outside holds a level or a pressure: a tank at rest at the level of its outlet stays at
 rest, as rings, too; a channel between an emitter and an outlet has the outlet's level and the emitter's flow, also
-mirrored, in three dimensions, on two ranks and after a restart; a column falls as the pressure below it lets it."""
+mirrored, in three dimensions, on two ranks and after a restart; a column falls as the pressure below it lets it; in a
+viscous channel the pressure outside leaves the slope."""
 import os
 import sys
 
@@ -116,6 +117,19 @@ def pressure():
     near(deep - s["volume"][-1] / wide, s["outflow_ymin_m2"][-1] / wide, 1e-9, "what it lost has left")
 
 
+def viscous():
+    """A pressure outside raises that of a viscous channel behind an emitter, not its slope, in implicit steps."""
+    mu, wide, speed, places = 1, 0.04, 0.05, np.array([0.15, 0.2, 0.25, 0.3])
+    s = runs.series(runs.run(f"""-dimension 2 -spacing 0.004 -box_lower 0,0 -box_upper 0.4,{wide} -box_y wall
+     -box_xmax_pressure 1500 -bodies oil,feed -oil_lower 0.06,0 -oil_upper 0.4,{wide} -oil_velocity {speed},0
+     -oil_viscosity {mu} -feed_type emitter -feed_upper 0.06,{wide} -feed_velocity {speed},0 -feed_viscosity {mu}
+     -viscosity_solver implicit -packing_jitter 0 -time_end 4
+     -gauge_points {','.join(f'{x},0.02' for x in places)} {PLAIN}""", "viscous"))
+    late = s["time"] > 2
+    falls = -np.polyfit(places, [s[f"point_{n}_pressure_Pa"][late].mean() for n in (1, 2, 3, 4)], 1)[0]
+    near([falls], 12 * mu * speed / wide**2, 0.05, "a viscous channel: slope of its pressure")
+
+
 def model():
     """A scene whose two open faces differ is no half."""
     scene = f"""-spacing 0.1 -box_lower -1,-1,0 -box_upper 1,1,1 -box_zmin wall -gravity 0,0,-{G} -bodies a
@@ -139,8 +153,8 @@ def refused():
                    said[-300:])
 
 
-PARTS = {"tank": tank, "plane": plane, "space": space, "restart": restart, "pressure": pressure, "model": model,
-         "refused": refused}
+PARTS = {"tank": tank, "plane": plane, "space": space, "restart": restart, "pressure": pressure, "viscous": viscous,
+         "model": model, "refused": refused}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
