@@ -188,8 +188,8 @@ def between(field, shape):
 
 
 def ending(nodes, lower, upper, behind=BEHIND):
-    """The factors of a field at nodes along an axis with which it ends behind faces at lower and upper (nodes; infinite:
-    there is none), not at once: the filter of the mesh swells at sharp edges."""
+    """The factors of a field at nodes along an axis with which it ends behind faces at lower and upper (nodes; none: at
+    infinity), not at once: the filter of the mesh swells at sharp edges."""
     return np.clip(2 - 2 * np.maximum(lower - nodes, nodes - upper) / behind, 0, 1)
 
 
@@ -234,8 +234,7 @@ class Liquid:
     @functools.lru_cache(maxsize=1)
     def mesh(self):
         """The surface in the form of triangles(), for all pictures of this liquid."""
-        points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell, self.sized,
-                                           self.spacing)
+        points, normals, cells = triangles(self.block, LEVEL, self.origin, self.cell, self.sized, self.spacing)
         points = fitted(self, self.block, points, normals, cells)
         flat = self.cut(points)
         return flat, softened(faced(normals, points, flat), cells), cells
@@ -272,7 +271,6 @@ class Liquid:
         """Dimming of the light at points (m) in hollows: 1 open, towards 0 enclosed."""
         places = self.places(points + normals * WIDE) / 4
         return np.clip(1.15 - 0.8 * sample(self.hollow, places), 0.4, 1)
-
 
     def thinness(self, points, normals):
         """How much light comes through the liquid behind a surface: 0 deep, 1 a sheet or a jet."""
@@ -430,9 +428,8 @@ def fitted(fluid, field, points, normals, cells):
     own = fluid.spacing * sample(fluid.sized, fluid.places(points))
     of_point = nearest(piece, fluid.places(points - fluid.cell * normals))
     of_cell = of_point[cells].max(axis=1)
-    each = fluid.share * fluid.spacing**len(fluid.axes)
-    if len(fluid.axes) == 2:  # rings are on both sides of the axis
-        each = np.pi * np.abs(fluid.points[:, 0]) * each
+    round_axis = np.pi * np.abs(fluid.points[:, 0]) if len(fluid.axes) == 2 else 1  # rings are on both sides of it
+    each = round_axis * fluid.share * fluid.spacing**len(fluid.axes)
     wanted = np.bincount(nearest(piece, fluid.places(fluid.points)), each, piece.max() + 1)
 
     def held(move):
