@@ -355,8 +355,7 @@ def with_normals(mesh, closed):
     """Points [n][3], normals [n][3] (outward) and triangles [m][3] of a mesh (vtkPolyData); closed: only
     that the mesh is closed shows which side is out."""
     normals = vtkPolyDataNormals()
-    normals.SetFeatureAngle(70)
-    normals.SetSplitting(not closed)
+    normals.SplittingOff()
     normals.SetConsistency(closed)
     normals.SetAutoOrientNormals(closed)
     mesh = passed(normals, mesh)
@@ -688,10 +687,9 @@ def outline(points, cells):
     plane.SetOrigin(0, 1e-6 * np.ptp(points[:, 1]), 0)  # not through the corners that a mirror has
     plane.SetNormal(0, 1, 0)
     cutter.SetCutFunction(plane)
-    clean = vtkCleanPolyData()  # joins the corners at which normals part
     joined.SetMaximumLength(len(points) + 4)
     joined.JoinContiguousSegmentsOn()
-    lines = passed(joined, passed(clean, passed(cutter, mesh)))
+    lines = passed(joined, passed(cutter, mesh))
     if not lines.GetNumberOfLines():
         return []
     places = vtk_to_numpy(lines.GetPoints().GetData())[:, [0, 2]].astype(float)
