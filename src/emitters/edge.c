@@ -123,7 +123,7 @@ static PetscErrorCode ContinuePressure(const Step *step)
 {
   const Emissions *emissions = (Emissions *)step->own;
   const Cloud      cloud     = step->cloud;
-  PetscReal       *p = cloud->field[FIELD_PRESSURE], *has;
+  PetscReal       *p         = cloud->field[FIELD_PRESSURE], *has;
 
   PetscFunctionBegin;
   PetscCall(CloudGetWork(cloud, 1, &has));
