@@ -65,6 +65,15 @@ void TextAppend(char text[], size_t size, const char more[])
   (void)snprintf(text + used, size - used, "%s", more);
 }
 
+const char *VectorText(PetscInt dim, const PetscReal x[], char text[VECTOR_TEXT])
+{
+  int n = 0;
+
+  for (PetscInt d = 0; d < dim; d++)
+    n += snprintf(text + n, (size_t)(VECTOR_TEXT - n), "%s%g", d ? ", " : "", (double)x[d]);
+  return text;
+}
+
 PetscErrorCode UserErrorSaid(void)
 {
   UserErrorRaised = Said = PETSC_TRUE;

@@ -92,8 +92,8 @@ PetscErrorCode OptionHelp(const OptionRow *row, char help[NAMES_LENGTH]);
    to a text of at most 'length' bytes: numbers, unless zero ones are left out, directions, and choices other than the
    first of the registry. Not collective. */
 PetscBool OptionsSame(const OptionRow rows[], const void *one, const void *other);
-void      OptionsTell(char text[], size_t length, const OptionRow rows[], const void *data, PetscBool zeros);
-void      OptionsIdentity(FILE *text, const char prefix[], const OptionRow rows[], const void *data, PetscInt dim);
+void OptionsTell(char text[], size_t length, const OptionRow rows[], const void *data, PetscInt dim, PetscBool zeros);
+void OptionsIdentity(FILE *text, const char prefix[], const OptionRow rows[], const void *data, PetscInt dim);
 
 /* ChoiceFind - the entry of a registry; refuses (UserError) a name that is none, of the option. Collective. */
 PetscErrorCode ChoiceFind(MPI_Comm comm, const Choice *const choices[], const char option[], const char name[],

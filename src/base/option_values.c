@@ -66,19 +66,18 @@ void OptionsIdentity(FILE *text, const char prefix[], const OptionRow rows[], co
   }
 }
 
-void OptionsTell(char text[], size_t length, const OptionRow rows[], const void *data, PetscBool zeros)
+void OptionsTell(char text[], size_t length, const OptionRow rows[], const void *data, PetscInt dim, PetscBool zeros)
 {
   for (const OptionRow *row = rows; row && row->name; row++) {
     const void      *value = (const char *)data + row->offset;
     const PetscReal *v     = (const PetscReal *)value;
     const char      *comma = text[0] ? ", " : "", *gap = row->unit ? " " : "", *unit = row->unit ? row->unit : "";
-    char             one[OPTION_NAME_LENGTH] = "";
+    char             one[OPTION_NAME_LENGTH] = "", vector[VECTOR_TEXT];
 
     if (row->kind == ROW_REAL && (zeros || *v != 0))
       (void)snprintf(one, sizeof(one), "%s%s %g%s%s", comma, row->name + 1, (double)*v, gap, unit);
     else if (row->kind == ROW_DIRECTION && (zeros || Norm(v) > 0))
-      (void)snprintf(one, sizeof(one), "%s%s %g, %g, %g%s%s", comma, row->name + 1, (double)v[0], (double)v[1],
-                     (double)v[2], gap, unit);
+      (void)snprintf(one, sizeof(one), "%s%s %s%s%s", comma, row->name + 1, VectorText(dim, v, vector), gap, unit);
     else if (row->kind == ROW_CHOICE && strcmp((const char *)value, row->choices[0]->name))
       (void)snprintf(one, sizeof(one), "%s%s %s", comma, row->name + 1, (const char *)value);
     TextAppend(text, length, one);

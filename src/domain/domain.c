@@ -290,10 +290,11 @@ PetscErrorCode DomainView(Domain domain, PetscViewer viewer)
                                      (double)domain->cell_size[d]));
     for (PetscInt side = 0; side < 2; side++) {
       const PetscReal *v = domain->wall_velocity[d][side];
+      char             text[VECTOR_TEXT];
 
       if (Dot(v, v) > 0)
-        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s moves at %g, %g, %g m/s\n", FaceNames[d][side], (double)v[0],
-                                         (double)v[1], (double)v[2]));
+        PetscCall(PetscViewerASCIIPrintf(viewer, "wall %s moves at %s m/s\n", FaceNames[d][side],
+                                         VectorText(domain->dim, v, text)));
     }
   }
   PetscCall(PetscViewerASCIIPopTab(viewer));

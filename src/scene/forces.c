@@ -211,7 +211,8 @@ PetscErrorCode ForcesView(Scene scene, PetscViewer viewer)
   char text[OPTION_TEXT_LENGTH] = "";
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; Forces[k]; k++) OptionsTell(text, sizeof(text), Forces[k]->rows, scene->force[k], PETSC_FALSE);
+  for (PetscInt k = 0; Forces[k]; k++)
+    OptionsTell(text, sizeof(text), Forces[k]->rows, scene->force[k], scene->domain->dim, PETSC_FALSE);
   PetscCall(
     PetscViewerASCIIPrintf(viewer, "Scene: %" PetscInt_FMT " bodies%s%s\n", scene->count, text[0] ? ", " : "", text));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -55,40 +55,49 @@ PetscBool BodiesAlike(Body one, Body other)
   return PETSC_TRUE;
 }
 
-/* The numbers of what a body is made of, and the names of what it chose besides the defaults: the first of a registry.
- */
+/* What a body is made of: its material, the names of what it chose besides the first of a registry, and the numbers of
+   properties that are not as they are without options. */
 static PetscErrorCode ViewMatter(Body body, PetscViewer viewer)
 {
+  const Domain     domain                   = body->domain;
   char             text[OPTION_TEXT_LENGTH] = "";
+  struct _p_Body   plain                    = *body;
   const OptionRow *rows;
-  const void      *data;
+  const void      *data, *standard;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; (rows = BodyMatter(body, k, &data)); k++)
-    OptionsTell(text, sizeof(text), rows, data, PETSC_TRUE);
+  plain.own.data = NULL;
+  PetscCall(PropertiesMake(domain, plain.own.owner, &plain.own));
+  for (PetscInt k = 0; (rows = BodyMatter(body, k, &data)); k++) {
+    (void)BodyMatter(&plain, k, &standard);
+    if (data == (const void *)body) standard = data;
+    if (data == standard || !OptionsSame(rows, data, standard))
+      OptionsTell(text, sizeof(text), rows, data, domain->dim, (PetscBool)(data == standard));
+  }
+  PetscCall(PropertiesFree(&plain.own));
   PetscCall(PetscViewerASCIIPrintf(viewer, "%s\n", text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
 {
-  const PetscReal *v = body->uniform;
-  PetscReal        lower[DIM], upper[DIM];
+  const PetscInt dim = body->domain->dim;
+  PetscReal      lower[DIM], upper[DIM];
+  char           from[VECTOR_TEXT], to[VECTOR_TEXT];
 
   PetscFunctionBegin;
   BodyBounds(body, lower, upper);
-  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s%s within %g, %g, %g to %g, %g, %g m\n", body->name,
+  PetscCall(PetscViewerASCIIPrintf(viewer, "%s: %s%s%s within %s to %s m\n", body->name,
                                    BodyComesLater(body) ? body->type : "", BodyComesLater(body) ? ", " : "",
-                                   body->shape_type, (double)lower[0], (double)lower[1], (double)lower[2],
-                                   (double)upper[0], (double)upper[1], (double)upper[2]));
+                                   body->shape_type, VectorText(dim, lower, from), VectorText(dim, upper, to)));
   if (!body->velocity) { /* a solid */
     if (body->motion) PetscCall(SolidMotion.view(body, tension, viewer));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPushTab(viewer));
   PetscCall(ViewMatter(body, viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %g, %g, %g m/s\n", body->velocity_type, (double)v[0],
-                                   (double)v[1], (double)v[2]));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %s m/s\n", body->velocity_type,
+                                   VectorText(dim, body->uniform, to)));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
