@@ -182,7 +182,6 @@ static PetscErrorCode Measure_Forces(Gauges gauges, const void *data, PetscReal 
   PetscFunctionBegin;
   if (!forces->forces && parts == 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt d = 0; d < forces->about.count; d++) about[d] = forces->about.value[d];
-  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(CloudUpdate(cloud, FIELD_PRESSURE));
   PetscCall(PetscCalloc2(DIM * receivers, &force, DIM * receivers, &moment));
   PetscCall(CloudGetWork(cloud, DIM, &on_dummy));

@@ -149,7 +149,8 @@ static PetscBool Has(Gauges gauges, PetscInt k)
   return (PetscBool)(gauges->first[k + 1] > gauges->first[k]);
 }
 
-/* Computes the sums over neighbours anew if a gauge reads them and the particles have changed their order. */
+/* Moves the ghosts to where the particles are if a gauge reads sums over neighbours, and computes those anew if the
+   particles have changed their order. */
 static PetscErrorCode Refresh(Gauges gauges)
 {
   const Cloud     cloud = gauges->cloud;
@@ -159,6 +160,7 @@ static PetscErrorCode Refresh(Gauges gauges)
 
   PetscFunctionBegin;
   for (PetscInt k = 0; Kind(k); k++) needed = (PetscBool)(needed || (Kind(k)->needs_sums && Has(gauges, k)));
+  if (needed) PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   if (needed && old && gauges->refresh) PetscCall(gauges->refresh(gauges->context));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

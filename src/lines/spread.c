@@ -389,7 +389,6 @@ static PetscErrorCode Measure_Spread(Gauges gauges, const void *data, PetscReal 
   PetscBool     *main;
 
   PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, FIELD_POSITION));
   PetscCall(PetscMalloc4(cloud->n_total, &all, cloud->n_fluid, &main, n * SUMS, &cover.sum, n, &cover.wedge));
   for (PetscInt a = 0; a < cloud->n_total; a++) all[a] = a;
   PetscCall(SortedCellsBuild(&cover.cells, cloud, cloud->n_total, all,

@@ -250,7 +250,7 @@ static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscInt n, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The estimate from the trial steps alone. */
+/* The estimate from the trial steps alone, of which the first ones may still grow. */
 static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 {
   const PetscReal step =
@@ -259,7 +259,9 @@ static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 
   run.mean      = 0.5 * (run.start + run.end);
   run.step_time = StepTime(times, run.mean);
-  run.steps     = sim->time_end < PETSC_MAX_REAL ? (sim->time_end - sim->state.time) / step : sim->steps_max;
+  run.steps     = sim->time_end < PETSC_MAX_REAL
+                  ? times->steps + 1 + (sim->time_end - sim->state.time - times->covered) / step
+                  : sim->steps_max;
   if (sim->steps_max) run.steps = PetscMin(run.steps, (PetscReal)sim->steps_max);
   return run;
 }
