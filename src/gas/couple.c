@@ -185,9 +185,10 @@ static PetscErrorCode AddSights(Gas *gas, PetscInt a, const View *view)
     all.sum += each->sum;
     for (PetscInt d = 0; d < DIM; d++) all.slope[d] += each->slope[d];
   }
-  if (all.sum == 0) {
+  if (all.sum == 0 || !gas->cloud->integer[INT_SURFACE][a]) {
     PetscCall(ListGrow(gas->gaps, &gas->gaps_capacity, sizeof(*gas->gap), &gas->gap));
     gas->gap[gas->gaps++] = a;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (const Sight *each = view->each; each < view->each + view->n; each++) {
     GasRow row = {.row = a, .pocket = each->region - 1};

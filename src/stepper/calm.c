@@ -5,11 +5,16 @@
    that a balanced pressure (pressure/balance.c) has no viscosity of its own. So what the velocity of such a row differs
    from the linear flow around it decays,
 
-     v_a += (1 - exp(-RATE w sqrt(f/s) dt)) sum_b K_ab (v_b - v_a - G_a (r_b - r_a))/sum_b K_ab,
+     v_a += (1 - exp(-RATE W dt)) sum_b K_ab (v_b - v_a - G_a (r_b - r_a))/sum_b K_ab,
+     W = w sqrt(f/s) + u sqrt(sigma/(rho s^3)),
 
    w the share of the body force f that is carried, s the spacing, G the velocity gradient, b the liquid around. Shear
    and waves of ten spacings and more are linear there. A tank at rest moves with 0.0010 in place of 0.0025 sqrt(gH)
    after a minute, and a layer that shears keeps the slope of its velocity.
+
+   u is 1 at the axis of rings, and 0 from the support of the kernel on. A ring at the axis and its image are one
+   particle: the errors of both add up, and what is small across the axis is large along it. Without u the poles of a
+   drop at rest tremble forever, and those of a bubble, where rows are stretched, come apart within two periods.
 
    Under a surface that hangs, waves shorter than the kernel of the curvature are unstable (Rayleigh and Taylor): the
    tension that holds them in the world is smoothed away. They grow within 1/sqrt(f/s), until the surface is a row of
@@ -46,13 +51,26 @@ static void LinearLack(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal l
   for (PetscInt d = 0; d < DIM; d++) lack[d] = weight > 0 ? (lack[d] - Dot(G + DIM * d, along)) / weight : 0;
 }
 
+/* The frequency (1/s) of capillary waves as long as the spacing of particle a, times u. */
+static PetscReal AtAxis(Stepper stepper, PetscInt a)
+{
+  const Cloud     cloud = stepper->cloud;
+  const PetscReal s = cloud->size[a] * cloud->domain->spacing, reach = cloud->size[a] * KernelSupport(cloud->kernel),
+                  u = 1 - cloud->field[FIELD_POSITION][DIM * a] / reach;
+
+  if (!cloud->domain->rings || u <= 0 || !TensionOnSurface(stepper->tension)) return 0;
+  return u * PetscSqrtReal(BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension /
+                           (cloud->rest_density[a] * s * s * s));
+}
+
 /* Whether the row of particle a is calmed. */
 static PetscBool IsCalmed(Stepper stepper, PetscInt a)
 {
   const Cloud cloud = stepper->cloud;
 
-  return (PetscBool)(PressureShare(stepper->pressure, a) > 0 && PressureCloses(stepper->pressure, a) &&
-                     !CloudPushes(cloud, a) && cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA);
+  return (PetscBool)(PressureCloses(stepper->pressure, a) && !CloudPushes(cloud, a) &&
+                     cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA &&
+                     (PressureShare(stepper->pressure, a) > 0 || AtAxis(stepper, a) > 0));
 }
 
 /* How far a surface hangs: the cosine between its outward normal and the force f, 0 if it does not. */
@@ -84,7 +102,7 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
   PetscReal  *v     = cloud->field[FIELD_VELOCITY_NEW], *lack;
 
   PetscFunctionBegin;
-  if (!PressureCarries(stepper->pressure)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!PressureCarries(stepper->pressure) && !cloud->domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &lack));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_NEW));
   PetscCall(PetscArrayzero(lack, DIM * cloud->n_total));
@@ -97,7 +115,7 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
     if (!IsCalmed(stepper, a)) continue;
     SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
     rate  = PressureShare(stepper->pressure, a) * PetscSqrtReal(Norm(g) / (cloud->size[a] * cloud->domain->spacing));
-    share = 1 - PetscExpReal(-RATE * rate * dt);
+    share = 1 - PetscExpReal(-RATE * (rate + AtAxis(stepper, a)) * dt);
     hangs = PetscMin(AT_ONCE, 1 - PetscExpReal(-HANGING * rate * Hangs(cloud, a, g) * dt));
     if (hangs > 0) Rough(cloud, a, lack, rough);
     for (PetscInt d = 0; d < DIM; d++) v[DIM * a + d] += share * lack[DIM * a + d] + (hangs > 0 ? hangs * rough[d] : 0);
