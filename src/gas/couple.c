@@ -26,10 +26,10 @@
    A void, which has no gas, is a pocket of the constant volume 0: what it has is taken from it in MEMORY relaxation
    times.
 
-   Rows that see neither gas nor air nor a void (gaps between particles that are no surface) have the pressure around
-   them outside: with m the mean of the liquid neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its
-   part HELD. Where there is open air and no pocket they keep 0, as dry dummy particles have. What else was tried:
-   cases/breathing_bubble/tried.md. */
+   Rows that see neither gas nor air nor a void, or are not beside a free surface (gaps between particles that are no
+   surface, rows that the flow has stretched), have the pressure around them outside: with m the mean of the liquid
+   neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its part HELD. Where there is open air and no
+   pocket they keep 0, as dry dummy particles have. What else was tried: cases/breathing_bubble/tried.md. */
 #include "gas_impl.h"
 
 #define CENTRED 0.25 /* b */

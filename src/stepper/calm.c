@@ -12,9 +12,9 @@
    and waves of ten spacings and more are linear there. A tank at rest moves with 0.0010 in place of 0.0025 sqrt(gH)
    after a minute, and a layer that shears keeps the slope of its velocity.
 
-   u is 1 at the axis of rings, and 0 from the support of the kernel on. A ring at the axis and its image are one
-   particle: the errors of both add up, and what is small across the axis is large along it. Without u the poles of a
-   drop at rest tremble forever, and those of a bubble, where rows are stretched, come apart within two periods.
+   u is 1 for rings within the support of the kernel of the axis, else 0. Such a ring and its image are one particle:
+   the errors of both add up, and what is small across the axis is large along it. Without u the poles of a drop at rest
+   tremble forever, and those of a bubble that swings, where rows are stretched, come apart within two periods.
 
    Under a surface that hangs, waves shorter than the kernel of the curvature are unstable (Rayleigh and Taylor): the
    tension that holds them in the world is smoothed away. They grow within 1/sqrt(f/s), until the surface is a row of
@@ -51,16 +51,17 @@ static void LinearLack(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal l
   for (PetscInt d = 0; d < DIM; d++) lack[d] = weight > 0 ? (lack[d] - Dot(G + DIM * d, along)) / weight : 0;
 }
 
-/* The frequency (1/s) of capillary waves as long as the spacing of particle a, times u. */
+/* u sqrt(sigma/(rho s^3)) of particle a, 1/s. */
 static PetscReal AtAxis(Stepper stepper, PetscInt a)
 {
   const Cloud     cloud = stepper->cloud;
-  const PetscReal s = cloud->size[a] * cloud->domain->spacing, reach = cloud->size[a] * KernelSupport(cloud->kernel),
-                  u = 1 - cloud->field[FIELD_POSITION][DIM * a] / reach;
+  const PetscReal s     = cloud->size[a] * cloud->domain->spacing,
+                  sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 
-  if (!cloud->domain->rings || u <= 0 || !TensionOnSurface(stepper->tension)) return 0;
-  return u * PetscSqrtReal(BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension /
-                           (cloud->rest_density[a] * s * s * s));
+  if (!cloud->domain->rings || !TensionOnSurface(stepper->tension) ||
+      cloud->field[FIELD_POSITION][DIM * a] > cloud->size[a] * KernelSupport(cloud->kernel))
+    return 0;
+  return PetscSqrtReal(sigma / (cloud->rest_density[a] * s * s * s));
 }
 
 /* Whether the row of particle a is calmed. */
