@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Period and amplitude of a bubble that breathes against the equation of Rayleigh and Plesset in a shell of liquid.
+"""Period and amplitude of a bubble that breathes against the equation of Rayleigh and Plesset in a shell of liquid, or
+frequency and damping of one that swings.
 check.py RUN_FOLDER"""
 import os
 import sys
@@ -56,12 +57,35 @@ def small(options, period, *decay):
             physics.relative("amplitude, last over first", *decay, 0.03)]
 
 
+def swinging(folder, options, volume):
+    """The second mode by tension: Lamb, art. 275 and 355, in a shell with the pressure of the air outside. The moment
+    of P_2/r^3 follows the bubble alone, and its radius is that of the gas."""
+    rho, viscosity, tension, outer = (float(options.get("-shell_" + name, 1000)) for name in
+                                      ("density", "viscosity", "tension", "radius"))
+    times, q = [], []
+    for t, head, f in physics.snapshots(folder):
+        x, z = f["position"][:, :2].T
+        r = np.hypot(x, z)
+        times.append(t)
+        q.append((physics.volumes(head, f) * (1.5 * (z / r)**2 - 0.5) / r**3)[r < 0.95 * outer].sum())
+    radius = np.cbrt(0.75 * volume.mean() / np.pi)
+    far = (radius / outer)**5
+    damping = 20 * viscosity / (rho * radius**2)
+    frequency = np.sqrt(12 * tension / (rho * radius**3) * (1 + 2 / 3 * far) / (1 - far) - damping**2)
+    w, b, error = physics.damped_cosine(np.array(times), np.array(q), frequency, damping)
+    return [physics.relative("frequency", w, frequency, 0.03, "1/s"),
+            physics.relative("damping rate", b, damping, 0.5, "1/s"),
+            physics.at_most("deviation from a damped cosine, rms over the amplitude", error, 0.1)]
+
+
 def check(folder):
     _, head, _ = next(iter(physics.snapshots(folder)))
     options = physics.options(head)
     dim = 2 if options["-dimension"] == "2" else 3
     rows = physics.table(os.path.join(folder, "pockets.csv"))
     t, volume = rows["time_s"], rows["volume_m2" if options["-dimension"] == "2" else "volume_m3"]
+    if "-hole_wave_mode" in options:
+        return swinging(folder, options, volume)
     rate, inner = breathing(dim, options)
     times = np.linspace(0, t[-1], STEPS)
     exact = peaks(times, (physics.integrate(rate, (inner, 0), 0, times, 1)[:, 0] / inner)**dim)

@@ -263,6 +263,7 @@ ENTRIES += [Entry("retracting_sheet", "one particle thick", "-spacing 0.5e-3", T
 ENTRIES += [Entry("breathing_bubble"), Entry("breathing_bubble", "rings", file=RINGS),
             Entry("breathing_bubble", "3-d, an eighth", file="octant.opts"),
             Entry("breathing_bubble", "graded rings", file="deep.opts"), Entry("rising_bubble"),
+            Entry("breathing_bubble", "swinging, rings", size=TEST, file="swinging.opts", packings=3),
             Entry("breathing_bubble", "10 um of air in water", file="minnaert.opts"),
             Entry("breathing_bubble", "100 um of air in water", "-shell_tension 0.00711 -shell_viscosity 0.000993 "
                   "-gas_pressure_start 1.06866", file="minnaert.opts"),

@@ -119,7 +119,8 @@ filled = runs.run(FILL, "filled")
 series = runs.series(filled)
 more = series["volume"][-1] - series["volume"][0]
 runs.check(more > 0.02, "emitter_fills", more)
-runs.check_within(series["gas_volume_m2"][-1] / (1 - series["volume"][-1]), 0.99, 1.01, "gas_gives_way_to_the_emitter")
+gas = (series["gas_volume_m2"] / (1 - series["volume"]))[len(series["volume"]) // 2:].mean()
+runs.check_within(gas, 0.995, 1.005, "gas_gives_way_to_the_emitter")  # 1.0016 to 1.0034 in six packings and versions
 
 # steps that are taken back find the same pockets again
 DROP = ALL + """-spacing 0.25 -box_lower 0,0 -box_upper 2.5,20 -box_x symmetry -box_ymin wall -water_lower 0,2
