@@ -187,10 +187,13 @@ def between(field, shape):
     return field
 
 
-def ending(nodes, lower, upper, behind=BEHIND):
-    """The factors of a field at nodes along an axis with which it ends behind faces at lower and upper (nodes; none: at
-    infinity), not at once: the filter of the mesh swells at sharp edges."""
-    return np.clip(2 - 2 * np.maximum(lower - nodes, nodes - upper) / behind, 0, 1)
+def ended(field, axis, lower, upper, behind=BEHIND):
+    """A field that ends behind faces at lower and upper (nodes along an axis; none: at infinity): it goes on with the
+    value at the face, not at once to 0, since the filter of the mesh swells at sharp edges."""
+    nodes = np.arange(field.shape[axis])
+    inner = np.clip(nodes, np.ceil(lower - 1e-6), np.floor(upper + 1e-6)).astype(int)
+    share = np.clip(2 - 2 * np.maximum(lower - nodes, nodes - upper) / behind, 0, 1).astype(field.dtype)
+    return np.take(field, inner, axis) * share.reshape([-1 if d == axis else 1 for d in range(field.ndim)])
 
 
 class Liquid:
@@ -224,12 +227,11 @@ class Liquid:
         self.hollow = blur(np.minimum(self.all[(slice(None, None, 4),) * dim], 1), WIDE / (4 * self.cell))
         # The block of liquid ends at the sides and the bottom of the box with flat faces; mesh() cuts it there.
         self.lower, self.upper = np.array(lower, float), np.array([*upper[:2], np.inf])
-        layer = int(np.ceil(spacing / self.cell))
-        self.block = np.minimum(self.all, 1)
+        layer, self.block = int(np.ceil(spacing / self.cell)), np.minimum(self.all, 1)
         self.block[..., :margin + layer] = self.block[..., margin + layer, None]
         for axis in range(dim):
             top = np.inf if axis == dim - 1 else round(extent[axis] / self.cell) + margin
-            np.moveaxis(self.block, axis, -1)[...] *= ending(np.arange(shape[axis]), margin, top)
+            self.block = ended(self.block, axis, margin, top)
 
     @functools.lru_cache(maxsize=1)
     def mesh(self):

@@ -106,10 +106,10 @@ class Fluid:
         for d, axis in enumerate(axes):  # liquid ends flat at faces that are not open
             ends = [(run.lower, run.upper)[side][axis] if kind != "open" else (2 * side - 1) * np.inf
                     for side, kind in enumerate(run.faces[axis])]
-            share = surface.ending(np.arange(shape[d]), *((np.array(ends) - self.origin[d]) / self.cell),
-                                   min(surface.BEHIND, margin / self.cell - 2))
-            for field in (self.fraction, *self.moment):
-                np.moveaxis(field, d, -1)[...] *= share
+            lower, upper = (np.array(ends) - self.origin[d]) / self.cell
+            behind = min(surface.BEHIND, margin / self.cell - 2)
+            self.fraction, *self.moment = (surface.ended(field, d, lower, upper, behind)
+                                           for field in (self.fraction, *self.moment))
 
     def places(self, points):
         return (surface.in_plane(points, self.axes) - self.origin) / self.cell

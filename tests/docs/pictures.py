@@ -230,6 +230,8 @@ for name, corners in (("a view", basin.cut(basin.mesh()[0])), ("figure 1", fille
     runs.check(max(off) < 1e-3 * D0, f"edges_of_liquid_in_{name}", np.array(off) / D0)
     close([corners.min(axis=0), corners[:, :2].max(axis=0).tolist() + [0]], [(0, 0, 0), (0.1, 0.08, 0)],
           f"liquid_within_its_tank_in_{name}")
+lifted = views.Fluid(tank, every + [0, 0, 3 * D0], one[:, None], one, one)
+runs.check_within(lifted.cut(lifted.mesh()[0])[:, 2].min() / D0, 2.8, 3.1, "liquid_near_a_wall_leaves_it_dry")
 outside = np.array([(3, 4, 1), (0.3, 0.4, -1.0)])
 reach = np.hypot(*surface.cut(outside, np.array([-1, -1, 0]), np.ones(3), True)[:, :2].T)
 close(reach, (1, 0.5), "wall_of_a_cylinder")
