@@ -4,7 +4,7 @@
 
 #define TRIAL_LEAST     3     /* trial steps at least */
 #define TRIAL_MOST      10000 /* trial steps at most */
-#define TRIAL_TIME      0.3   /* s of trial steps at least */
+#define TRIAL_TIME      1.0   /* s of trial steps at least, as of a rehearsal, which a thin box refuses */
 #define TRIAL_LONG      10.   /* s, at most */
 #define TRIAL_SHARE     0.04  /* of the run's wall time for trial steps, between these bounds */
 #define STEEPEST        1.5   /* most that a step's time grows with the number of particles, over proportional growth */
@@ -80,6 +80,7 @@ PetscErrorCode TrySteps(Sim sim, StepTimes *times)
     times->late += step[k];
   }
   times->covered = sim->state.time - before.time;
+  times->last    = sim->state.time_step;
   sim->state     = before;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,7 +251,7 @@ static PetscErrorCode Rehearse(Sim sim, PetscReal coarser, PetscInt n, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The estimate from the trial steps alone, of which the first ones may still grow. */
+/* The estimate from the trial steps alone, the last of which may still grow. */
 static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 {
   const PetscReal step =
@@ -259,9 +260,9 @@ static RunEstimate Extrapolate(Sim sim, const StepTimes *times, PetscInt n)
 
   run.mean      = 0.5 * (run.start + run.end);
   run.step_time = StepTime(times, run.mean);
-  run.steps     = sim->time_end < PETSC_MAX_REAL
-                  ? times->steps + 1 + (sim->time_end - sim->state.time - times->covered) / step
-                  : sim->steps_max;
+  run.steps     = sim->steps_max;
+  if (sim->time_end < PETSC_MAX_REAL)
+    run.steps = times->steps + 1 + StepperStepsIn(sim->time_end - sim->state.time - times->covered, times->last, step);
   if (sim->steps_max) run.steps = PetscMin(run.steps, (PetscReal)sim->steps_max);
   return run;
 }

@@ -116,7 +116,7 @@ PetscErrorCode FillingsView(Sim sim, PetscViewer viewer);
 typedef struct {
   PetscReal steps, n, n2, time, time_n; /* 1, 1, 1, s, s */
   PetscReal late_steps, late;           /* of the second half: steps, and simulated time, s */
-  PetscReal covered;                    /* simulated time of all, s */
+  PetscReal covered, last;              /* simulated time of all, and of the last step, s */
 } StepTimes;
 /* What a run takes: its steps (1), and the wall time of a step (s). rehearsed: the rehearsed share of the run's time
    (1), with a spacing 'coarser' times as large (1). coarser = 0: the estimate is from the trial steps alone, which were

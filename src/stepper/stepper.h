@@ -188,6 +188,9 @@ PetscReal      StepperFilling(Stepper stepper, PetscInt body, PetscInt *particle
    implicit viscosity if that is faster. scale (1): for the same flow with a spacing so many times as large. Not
    collective. */
 PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale);
+/* StepperStepsIn - the number of steps in a time (s) that grow from the one before (s) to the steady step 'most' (s).
+   Not collective. */
+PetscReal StepperStepsIn(PetscReal time, PetscReal before, PetscReal most);
 /* StepperReferenceVelocity - the scene's own velocity scale (m/s), sqrt(U^2 + g L + sigma/(rho h)); U: the largest
    speed of bodies, solids and walls. Not collective. */
 PetscReal      StepperReferenceVelocity(Stepper stepper);

@@ -373,6 +373,17 @@ PetscReal StepperSteadyStep(Stepper stepper, PetscReal scale)
   return PetscMax(BoundByViscosity(&stepper->viscous, &bounds, step), limits->min);
 }
 
+PetscReal StepperStepsIn(PetscReal time, PetscReal before, PetscReal most)
+{
+  PetscReal steps = 0;
+
+  for (; time > 0 && before > 0 && GROWTH * before < most; steps++) {
+    before *= GROWTH;
+    time -= before;
+  }
+  return steps + PetscMax(0, time) / most;
+}
+
 /* All bounds in a fixed order, those of the edges last; PETSC_MAX_REAL: none. Returns how many. */
 static PetscInt ListBounds(Stepper stepper, StepBound all[STEP_BOUNDS])
 {
