@@ -155,6 +155,7 @@ PetscReal PressureShare(Pressure pressure, PetscInt a)
 PetscErrorCode PressurePredict(Pressure pressure)
 {
   const Cloud cloud = pressure->cloud;
+  PetscReal  *share;
 
   PetscFunctionBegin;
   pressure->balances = PETSC_FALSE;
@@ -162,22 +163,24 @@ PetscErrorCode PressurePredict(Pressure pressure)
   if (!pressure->carries) PetscFunctionReturn(PETSC_SUCCESS);
   if (cloud->n_total >= pressure->balance_capacity) {
     pressure->balance_capacity = cloud->capacity;
-    PetscCall(PetscFree4(pressure->carried, pressure->place, pressure->loaded, pressure->height));
-    PetscCall(PetscMalloc4(DIM * cloud->capacity, &pressure->carried, DIM * cloud->capacity, &pressure->place,
-                           cloud->capacity, &pressure->loaded, cloud->capacity, &pressure->height));
+    PetscCall(PetscFree3(pressure->carried, pressure->place, pressure->load));
+    PetscCall(PetscMalloc3(DIM * cloud->capacity, &pressure->carried, DIM * cloud->capacity, &pressure->place,
+                           DIM * cloud->capacity, &pressure->load));
   }
   PetscCall(RowsNumber(pressure));
   PetscCall(FindPlaces(pressure));
-  PetscCall(FindShares(pressure, pressure->loaded));
+  PetscCall(CloudGetWork(cloud, 1, &share));
+  PetscCall(FindShares(pressure, share));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
     const PetscReal *y = pressure->place + DIM * a;
-    PetscReal        f[DIM];
+    PetscReal       *load = pressure->load + DIM * a, f[DIM];
 
     SceneAcceleration(cloud->scene, y, f);
-    pressure->loaded[a] *= cloud->rest_density[a];
-    pressure->height[a] = Dot(f, y);
-    for (PetscInt d = 0; d < DIM; d++) pressure->carried[DIM * a + d] = pressure->loaded[a] * f[d];
+    load[0] = share[a] * cloud->rest_density[a];
+    load[1] = Dot(f, y);
+    for (PetscInt d = 0; d < DIM; d++) pressure->carried[DIM * a + d] = load[0] * f[d];
   }
+  PetscCall(CloudRestoreWork(cloud, &share));
   pressure->uniform  = SceneForceUniform(cloud->scene);
   pressure->balances = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -234,11 +237,14 @@ void BalanceAdd(Pressure pressure, PetscScalar rhs[])
     const PetscInt64 end = cloud->first[a + 1];
     const PetscInt   r   = a < cloud->n_rows ? a : ParentRow(pressure, a);
     const Balance    own = BalanceOf(pressure, a);
-    Simd             sum = SimdSet(0);
+    Simd             sum = SimdSet(0), p;
 
-    for (PetscInt64 k = cloud->first[a]; k < end; k += SIMD_WIDTH)
-      sum += SimdFirst(SimdWeights(coded, pressure->pair_weight, k) * BalanceTo(pressure, &own, cloud->list + k),
+    for (PetscInt64 k = cloud->first[a]; k < end; k += SIMD_WIDTH) {
+      const SimdOffsets at = SimdLocate(cloud->list + k);
+
+      sum += SimdFirst(SimdWeights(coded, pressure->pair_weight, k) * BalanceTo(pressure, &own, &at, &p),
                        (PetscInt)PetscMin(end - k, SIMD_WIDTH));
+    }
     rhs[r] -= pressure->weight_scale * SimdSum(sum);
   }
 }

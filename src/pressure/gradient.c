@@ -111,7 +111,7 @@ static void CorrectedRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE], *rho = cloud->rest_density;
   const Simd       rise = SimdSet((surface ? 2 * (p[a] - pressure->outside[a]) : 0) - p[a]), zero = SimdSet(0);
   const Simd3      place     = Simd3Set(x + DIM * a);
-  const Balance    balance   = pressure->balances ? BalanceOf(pressure, a) : (Balance){.loaded = zero};
+  const Balance    balance   = pressure->balances ? BalanceOf(pressure, a) : (Balance){{zero, zero, zero}};
   Simd3            along     = {zero, zero, zero};
   PetscReal        jump[DIM] = {0, 0, 0};
   Vec4             sum;
@@ -119,9 +119,14 @@ static void CorrectedRow(Pressure pressure, PetscInt a, const PairRow *restrict 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const PetscInt   *b  = row->index + k;
     const SimdOffsets at = SimdLocate(b);
-    Simd              D  = rise + SimdGather(p, b);
+    Simd              D;
 
-    if (pressure->balances) D -= BalanceTo(pressure, &balance, b);
+    if (pressure->balances) {
+      const Simd carried = BalanceTo(pressure, &balance, &at, &D);
+
+      D = rise + D - carried;
+    } else
+      D = rise + SimdGather(p, b);
     if (mean && !surface) D *= 2 * rho[a] / (rho[a] + SimdGather(rho, b));
     Simd3Add(PETSC_FALSE, &along, D * SimdLoad(row->f + k),
              Simd3Difference(PETSC_FALSE, Simd3Collect(PETSC_FALSE, x, &at), place));
@@ -226,6 +231,8 @@ static PetscErrorCode OutsideGet(Pressure pressure)
   for (PetscInt a = 0; a < cloud->n_fluid && pressure->balances; a++)
     if (cloud->integer[INT_SURFACE][a])
       pressure->outside[a] = PressureSurrounds(pressure, a, pressure->outside_slope + DIM * a);
+  for (PetscInt a = 0; a < cloud->n_total && pressure->balances; a++)
+    pressure->load[DIM * a + 2] = cloud->field[FIELD_PRESSURE][a];
   for (PetscInt k = 0; k < pressure->low_ranks; k++)
     if (pressure->low_rank[k].term->outside)
       PetscCall(pressure->low_rank[k].term->outside(pressure->low_rank[k].context, pressure, pressure->outside,

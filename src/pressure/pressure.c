@@ -183,7 +183,7 @@ PetscErrorCode PressureDestroy(Pressure *pressure)
   PetscCall(PetscFree3(p->closure_diagonal, p->pair_diagonal, p->level_diagonal));
   PetscCall(PetscFree(p->pair_weight));
   PetscCall(PetscFree(p->weight_sum));
-  PetscCall(PetscFree4(p->carried, p->place, p->loaded, p->height));
+  PetscCall(PetscFree3(p->carried, p->place, p->load));
   PetscCall(PetscFree(p->parent_row));
   PetscCall(ColumnsReset(&p->columns));
   PetscCall(PetscFree(*pressure));

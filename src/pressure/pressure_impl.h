@@ -86,8 +86,7 @@ struct _p_Pressure {
   PetscBool  balances; /* it does, between PressurePredict and PressureKeepCarried */
   PetscReal *carried;  /* [n_total][3] T, Pa/m */
   PetscReal *place;    /* [n_total][3] where the pressure of a particle holds, m */
-  PetscReal *loaded;   /* [n_total] rho w, kg/m3 */
-  PetscReal *height;   /* [n_total] f.place, J/kg, if f is uniform */
+  PetscReal *load;     /* [n_total][3] rho w, kg/m3; f.place, J/kg, if f is uniform; the pressure, Pa, in a gradient */
   PetscBool  uniform;
   PetscInt   balance_capacity;
   PetscReal  depth[DEPTH_TABLE + 1]; /* m, at which |sum V grad W| is k/DEPTH_TABLE of that on a plane surface */
@@ -149,7 +148,7 @@ struct _p_Pressure {
 /* PressureShare of particle a. */
 static inline PetscReal ShareOf(Pressure pressure, PetscInt a)
 {
-  return pressure->carries ? pressure->loaded[a] / pressure->cloud->rest_density[a] : 0;
+  return pressure->carries ? pressure->load[DIM * a] / pressure->cloud->rest_density[a] : 0;
 }
 
 /* The weight of pair k of the cloud's list, in units of weight_scale. */
@@ -228,10 +227,10 @@ void           JumpsSum(Cloud cloud, PetscInt a, const PairRow *row, PetscBool m
 
 /* BalanceSetUp - makes the table of PressureDepth. BalanceAdd - adds what is carried inside the liquid to the
    right-hand side ([n_rows]). BalanceOf - what of particle a BalanceTo needs; BalanceTo - T_ab.(y_b - y_a) (Pa) of
-   SIMD_WIDTH of its neighbours b, between PressurePredict and PressureKeepCarried. Not collective. */
+   SIMD_WIDTH of its neighbours b, and in a gradient their pressures p (Pa), between PressurePredict and
+   PressureKeepCarried. Not collective. */
 typedef struct {
-  Simd3 place, carried;
-  Simd  loaded, height;
+  Simd3 place, carried, load;
 } Balance;
 void BalanceSetUp(Pressure pressure);
 void BalanceAdd(Pressure pressure, PetscScalar rhs[]);
@@ -239,19 +238,19 @@ void BalanceAdd(Pressure pressure, PetscScalar rhs[]);
 static inline Balance BalanceOf(Pressure pressure, PetscInt a)
 {
   return (Balance){Simd3Set(pressure->place + DIM * a), Simd3Set(pressure->carried + DIM * a),
-                   SimdSet(pressure->loaded[a]), SimdSet(pressure->height[a])};
+                   Simd3Set(pressure->load + DIM * a)};
 }
 
-static inline Simd BalanceTo(Pressure pressure, const Balance *own, const PetscInt b[SIMD_WIDTH])
+static inline Simd BalanceTo(Pressure pressure, const Balance *own, const SimdOffsets *at, Simd *p)
 {
-  const PetscBool   flat = PETSC_FALSE;
-  const SimdOffsets at   = SimdLocate(b);
-  Simd3             T, y;
+  const PetscBool flat = PETSC_FALSE;
+  const Simd3     load = Simd3Collect(flat, pressure->load, at);
+  Simd3           T, y;
 
-  if (pressure->uniform)
-    return 0.5 * (SimdGather(pressure->loaded, b) + own->loaded) * (SimdGather(pressure->height, b) - own->height);
-  T = Simd3Collect(flat, pressure->carried, &at);
-  y = Simd3Difference(flat, Simd3Collect(flat, pressure->place, &at), own->place);
+  *p = load.z;
+  if (pressure->uniform) return 0.5 * (load.x + own->load.x) * (load.y - own->load.y);
+  T = Simd3Collect(flat, pressure->carried, at);
+  y = Simd3Difference(flat, Simd3Collect(flat, pressure->place, at), own->place);
   return 0.5 * Simd3Dot(flat, (Simd3){T.x + own->carried.x, T.y + own->carried.y, T.z + own->carried.z}, y);
 }
 

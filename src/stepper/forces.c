@@ -1,6 +1,10 @@
 /* All forces but the pressure, and their work. */
 #include "stepper_impl.h"
 
+/* Share of the step that tension allows, up to which TensionContinue serves: at 0.75 and 1 a drop at rest moves by 1 and
+   5 % more than with all steps applied, at 1.33 by 20 %. */
+#define CONTINUED 0.75
+
 /* Sum of m v.u of this rank's fluid for a field u: of an acceleration the power (W); of a velocity an energy (J), whose
    change is the work of an implicit force. */
 static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
@@ -83,11 +87,14 @@ static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
   }
 }
 
-PetscErrorCode StepTension(Stepper stepper)
+PetscErrorCode StepTension(Stepper stepper, PetscReal dt)
 {
   PetscFunctionBegin;
   StepHook(stepper, tense, &step);
-  PetscCall(TensionApply(stepper->tension, stepper->cloud));
+  if (dt > 0 && dt <= CONTINUED * stepper->bounds.tension)
+    PetscCall(TensionContinue(stepper->tension, stepper->cloud, stepper->now.time + stepper->force_time * dt));
+  else
+    PetscCall(TensionApply(stepper->tension, stepper->cloud));
   stepper->cloud->tension = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,7 +107,7 @@ static PetscErrorCode AddTension(Stepper stepper, PetscReal dt, StepTrial *trial
   const PetscReal before = acts ? MassWeightedDot(cloud, FIELD_ACCELERATION) : 0;
 
   PetscFunctionBegin;
-  PetscCall(StepTension(stepper));
+  PetscCall(StepTension(stepper, dt));
   if (acts) trial->sum[SUM_TENSION_WORK] = dt * (MassWeightedDot(cloud, FIELD_ACCELERATION) - before);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

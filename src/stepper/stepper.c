@@ -419,7 +419,7 @@ PetscErrorCode StepperRefresh(Stepper stepper)
   PetscFunctionBegin;
   PetscCall(StepSearch(stepper, PETSC_FALSE));
   PetscCall(PetscArrayzero(cloud->field[FIELD_ACCELERATION], DIM * cloud->n_owned)); /* StepTension may add to it */
-  PetscCall(StepTension(stepper));
+  PetscCall(StepTension(stepper, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

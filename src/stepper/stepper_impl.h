@@ -179,8 +179,9 @@ void DriveWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* StepApparentViscosity - OperatorsApparentViscosity, and what edges change of it. Collective. */
 PetscErrorCode StepApparentViscosity(Stepper stepper);
-/* StepTension - TensionApply with the tension that edges give the particles. Collective. */
-PetscErrorCode StepTension(Stepper stepper);
+/* StepTension - TensionApply, or TensionContinue, in a step of dt (s), with the tension that edges give the particles;
+   dt = 0: of a state. Collective. */
+PetscErrorCode StepTension(Stepper stepper, PetscReal dt);
 
 /* --- trial.c --- */
 

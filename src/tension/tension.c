@@ -101,13 +101,18 @@ PetscReal TensionReach(Tension tension)
   return tension->active ? KernelSupport(tension->kernel) : 0;
 }
 
+void TensionClear(Cloud cloud)
+{
+  (void)PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned);
+  (void)PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned);
+  CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE, FIELD_BENDING */
+  if (cloud->field[FIELD_BENDING]) (void)PetscArrayzero(cloud->field[FIELD_BENDING], cloud->n_owned);
+}
+
 PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY], cloud->n_owned));
-  PetscCall(PetscArrayzero(cloud->field[FIELD_CAPILLARY_SLOPE], DIM * cloud->n_owned));
-  CloudWrote(cloud, FIELD_CAPILLARY); /* and FIELD_CAPILLARY_SLOPE, FIELD_BENDING */
-  if (cloud->field[FIELD_BENDING]) PetscCall(PetscArrayzero(cloud->field[FIELD_BENDING], cloud->n_owned));
+  TensionClear(cloud);
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
   PetscCall(tension->model->apply(tension, cloud));
@@ -146,6 +151,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscFunctionBegin;
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
+  PetscCall(ContinuedDestroy(*tension));
   PetscCall(ForgetModel(*tension));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) PetscCall(SortedCellsReset(&(*tension)->liquid[l]));
   PetscCall(PetscFree(*tension));

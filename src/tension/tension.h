@@ -41,6 +41,9 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads, and FIELD_BENDING if the spacing
    adapts (zero otherwise). Evaluates particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
+/* TensionContinue - TensionApply at a time (s) of the middle of a step; in every second call what the two before give
+   for this time, if the particles have kept their order and the tension depends on their places alone. Collective. */
+PetscErrorCode TensionContinue(Tension tension, Cloud cloud, PetscReal time);
 /* The liquid whose surface is evaluated, of several that do not mix. In its place NULL: all liquid. */
 typedef struct {
   PetscInt             bits; /* of the liquids */

@@ -33,6 +33,13 @@ typedef struct {
 extern const TensionModel TensionCahnHilliard, TensionCurvature;
 #define STEP_LIMIT_PLAIN 0.25 /* with twice this limit a capillary wave of cahn_hilliard grows */
 
+/* What the tension gave at a time (s): of n particles in a local order that feel it, ascending. */
+#define APPLIED 8
+typedef struct {
+  PetscInt  layout, n, capacity, *of;
+  PetscReal time, (*value)[APPLIED];
+} Applied;
+
 struct _p_Tension {
   MPI_Comm            comm;
   Scene               scene;  /* borrowed */
@@ -50,7 +57,14 @@ struct _p_Tension {
   PetscInt    levels;
   PetscReal   size_most, largest[SIZE_LEVELS]; /* largest size; the same in the level, 1 */
   SortedCells liquid[SIZE_LEVELS];             /* fluid particles, ghosts too */
+  Applied     applied[2];                      /* by TensionContinue, the last first */
+  PetscBool   continued;                       /* its last call applied nothing */
 };
+
+/* TensionClear - zero tension, but for FIELD_ACCELERATION. ContinuedDestroy - frees what TensionContinue kept. Not
+   collective. */
+void           TensionClear(Cloud cloud);
+PetscErrorCode ContinuedDestroy(Tension tension);
 
 /* A particle has a normal only within SURFACE_REACH H of a surface particle. Below a flat surface |grad phi| H falls
    below THRESHOLD 0.9 H deep. Where two surfaces meet, particles between them have a normal at larger distances: at
