@@ -340,7 +340,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
                                                   OUTSIDE_LIMIT * cloud->slack);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &cloud->distance_outside, 1, MPIU_REAL, MPIU_MAX, cloud->comm));
   }
-  if (sort || (size > 1 && cloud->distance_outside > OUTSIDE_SHARE * cloud->slack)) {
+  if (sort || (size > 1 && !cloud->keep_order && cloud->distance_outside > OUTSIDE_SHARE * cloud->slack)) {
     PetscReal imbalance;
 
     PetscCall(ParticlesImbalance(cloud->particles, &imbalance));
@@ -355,7 +355,7 @@ static PetscErrorCode Renew(Cloud cloud, PetscBool sort)
 
 PetscErrorCode CloudBegin(Cloud cloud)
 {
-  const PetscBool sort = (PetscBool)(++cloud->since_sort >= cloud->sort_interval);
+  const PetscBool sort = (PetscBool)(++cloud->since_sort >= cloud->sort_interval && !cloud->keep_order);
 
   PetscFunctionBegin;
   PetscCall(Load(cloud));
@@ -480,5 +480,6 @@ PetscErrorCode CloudCommit(Cloud cloud, PetscInt *lost, PetscReal *energy)
   }
   PetscCall(PetscFree(keep));
   *lost += global;
+  cloud->keep_order = PetscMax(0, cloud->keep_order - 1);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

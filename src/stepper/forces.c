@@ -1,10 +1,6 @@
 /* All forces but the pressure, and their work. */
 #include "stepper_impl.h"
 
-/* Share of the step that tension allows, up to which TensionContinue serves: at 0.75 and 1 a drop at rest moves by 1 and
-   5 % more than with all steps applied, at 1.33 by 20 %. */
-#define CONTINUED 0.75
-
 /* Sum of m v.u of this rank's fluid for a field u: of an acceleration the power (W); of a velocity an energy (J), whose
    change is the work of an implicit force. */
 static PetscReal MassWeightedDot(Cloud cloud, FieldId field)
@@ -89,12 +85,19 @@ static void AddBodyForce(Cloud cloud, PetscReal acceleration[])
 
 PetscErrorCode StepTension(Stepper stepper, PetscReal dt)
 {
+  const Tension   tension = stepper->tension;
+  const PetscReal other   = stepper->second ? stepper->now.usual : dt;
+  const PetscBool pairs   = (PetscBool)(dt > 0 && stepper->force_time == 0.5 && TensionPairs(tension) &&
+                                      dt + other <= stepper->bounds.tension);
+
   PetscFunctionBegin;
   StepHook(stepper, tense, &step);
-  if (dt > 0 && dt <= CONTINUED * stepper->bounds.tension)
-    PetscCall(TensionContinue(stepper->tension, stepper->cloud, stepper->now.time + stepper->force_time * dt));
+  if (!pairs)
+    PetscCall(TensionApply(tension, stepper->cloud));
+  else if (stepper->second)
+    PetscCall(TensionApplyKept(tension, stepper->cloud));
   else
-    PetscCall(TensionApply(stepper->tension, stepper->cloud));
+    PetscCall(TensionApplyAhead(tension, stepper->cloud, 0.5 * dt));
   stepper->cloud->tension = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

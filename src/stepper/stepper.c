@@ -353,6 +353,7 @@ PetscErrorCode StepperAdvance(Stepper stepper, PetscReal end, PetscBool diagnose
   stepper->now.time  = state->time;
   stepper->now.dt    = dt;
   stepper->now.usual = state->previous_time_step;
+  stepper->second    = (PetscBool)(state->step % 2 > 0);
   *failed            = PETSC_TRUE;
   if (StepperSteadyStep(stepper, 1) < STALLED * PetscAbsReal(state->time)) {
     PetscCall(PetscSNPrintf(why, length,

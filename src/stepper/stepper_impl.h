@@ -78,6 +78,7 @@ struct _p_Stepper {
   TimeStepLimits     limits;
   TrialLimits        trial;
   StepBounds         bounds;  /* of the last step size chosen */
+  PetscBool          second;  /* the step is the second of a pair: see StepTension */
   PetscReal          fastest; /* m/s, largest speed of the liquid when the bounds were found */
   Viscosity          viscosity;
   Viscous            viscous;
@@ -179,8 +180,8 @@ void DriveWork(Cloud cloud, PetscReal time, StepTrial *trial);
 
 /* StepApparentViscosity - OperatorsApparentViscosity, and what edges change of it. Collective. */
 PetscErrorCode StepApparentViscosity(Stepper stepper);
-/* StepTension - TensionApply, or TensionContinue, in a step of dt (s), with the tension that edges give the particles;
-   dt = 0: of a state. Collective. */
+/* StepTension - TensionApply with the tension that edges give the particles; in steps whose next or former one needs no
+   tension of its own, of both. dt: of the step (s); 0: of a state. Collective. */
 PetscErrorCode StepTension(Stepper stepper, PetscReal dt);
 
 /* --- trial.c --- */

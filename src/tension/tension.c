@@ -112,6 +112,7 @@ void TensionClear(Cloud cloud)
 PetscErrorCode TensionApply(Tension tension, Cloud cloud)
 {
   PetscFunctionBegin;
+  tension->kept.layout = -1;
   TensionClear(cloud);
   if (!tension->active) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_TENSION), 0, 0, 0, 0));
@@ -151,7 +152,7 @@ PetscErrorCode TensionDestroy(Tension *tension)
   PetscFunctionBegin;
   if (!*tension) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(KernelDestroy(&(*tension)->kernel));
-  PetscCall(ContinuedDestroy(*tension));
+  PetscCall(PetscFree2((*tension)->kept.of, (*tension)->kept.value));
   PetscCall(ForgetModel(*tension));
   for (PetscInt l = 0; l < SIZE_LEVELS; l++) PetscCall(SortedCellsReset(&(*tension)->liquid[l]));
   PetscCall(PetscFree(*tension));

@@ -41,9 +41,13 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads, and FIELD_BENDING if the spacing
    adapts (zero otherwise). Evaluates particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
-/* TensionContinue - TensionApply at a time (s) of the middle of a step; in every second call what the two before give
-   for this time, if the particles have kept their order and the tension depends on their places alone. Collective. */
-PetscErrorCode TensionContinue(Tension tension, Cloud cloud, PetscReal time);
+/* TensionPairs - whether the tension depends on the places of the liquid alone, so that one can serve two steps.
+   TensionApplyAhead - TensionApply with the fluid, ghosts too, moved by FIELD_VELOCITY for a time (s), for this step and
+   the next, which keeps the local order. TensionApplyKept - the same tension again, or TensionApply if the order is new
+   or TensionApply came between. Collective but for TensionPairs. */
+PetscBool      TensionPairs(Tension tension);
+PetscErrorCode TensionApplyAhead(Tension tension, Cloud cloud, PetscReal time);
+PetscErrorCode TensionApplyKept(Tension tension, Cloud cloud);
 /* The liquid whose surface is evaluated, of several that do not mix. In its place NULL: all liquid. */
 typedef struct {
   PetscInt             bits; /* of the liquids */

@@ -33,12 +33,11 @@ typedef struct {
 extern const TensionModel TensionCahnHilliard, TensionCurvature;
 #define STEP_LIMIT_PLAIN 0.25 /* with twice this limit a capillary wave of cahn_hilliard grows */
 
-/* What the tension gave at a time (s): of n particles in a local order that feel it, ascending. */
-#define APPLIED 8
+/* What TensionApplyAhead keeps: of the n particles that have some, ascending, in a local order; see pair.c. */
 typedef struct {
-  PetscInt  layout, n, capacity, *of;
-  PetscReal time, (*value)[APPLIED];
-} Applied;
+  PetscInt   layout, n, capacity, *of;
+  PetscReal *value;
+} Kept;
 
 struct _p_Tension {
   MPI_Comm            comm;
@@ -57,14 +56,11 @@ struct _p_Tension {
   PetscInt    levels;
   PetscReal   size_most, largest[SIZE_LEVELS]; /* largest size; the same in the level, 1 */
   SortedCells liquid[SIZE_LEVELS];             /* fluid particles, ghosts too */
-  Applied     applied[2];                      /* by TensionContinue, the last first */
-  PetscBool   continued;                       /* its last call applied nothing */
+  Kept        kept;
 };
 
-/* TensionClear - zero tension, but for FIELD_ACCELERATION. ContinuedDestroy - frees what TensionContinue kept. Not
-   collective. */
-void           TensionClear(Cloud cloud);
-PetscErrorCode ContinuedDestroy(Tension tension);
+/* TensionClear - zero tension, but for FIELD_ACCELERATION. Not collective. */
+void TensionClear(Cloud cloud);
 
 /* A particle has a normal only within SURFACE_REACH H of a surface particle. Below a flat surface |grad phi| H falls
    below THRESHOLD 0.9 H deep. Where two surfaces meet, particles between them have a normal at larger distances: at
