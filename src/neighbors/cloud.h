@@ -85,7 +85,7 @@ typedef struct _p_Cloud {
   PetscInt   exits[2 * DIM];      /* particles on all ranks that left by each open face since the program's start */
   PetscReal  distance_outside;    /* m, largest distance of particles from their rank's cells when the halo was built */
   PetscInt   sort_interval, since_sort; /* steps between sorts, steps since the last */
-  PetscInt   keep_order;           /* of this step and the next: 2, in the next 1; else 0 */
+  PetscInt   keep_order;                /* steps that keep the local order: 2 in the first of a pair, 1 in the second */
   PetscInt   layout;               /* counts changes of the local order: a preconditioner is valid for one layout */
   PetscInt   written[FIELD_COUNT]; /* layout in which each work field was last written: see CloudWrote */
   PetscInt   halo_builds, migrations, repartitions; /* statistics */

@@ -172,7 +172,7 @@ PetscErrorCode PressurePredict(Pressure pressure)
   PetscCall(CloudGetWork(cloud, 1, &share));
   PetscCall(FindShares(pressure, share));
   for (PetscInt a = 0; a < cloud->n_total; a++) {
-    const PetscReal *y = pressure->place + DIM * a;
+    const PetscReal *y    = pressure->place + DIM * a;
     PetscReal       *load = pressure->load + DIM * a, f[DIM];
 
     SceneAcceleration(cloud->scene, y, f);

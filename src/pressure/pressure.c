@@ -100,8 +100,8 @@ static const OptionRow numbers[] = {
    "Time in which the divergence source corrects density errors; 0: 5 h/U of the scene, 25 h/U with -scheme "
    "weakly_compressible",
    "s", "[0, inf)", ROW_REAL, offsetof(struct _p_Pressure, relaxation_option)},
-  {"-pressure_wall_suction", "Walls may pull by the density source, as printed", NULL, NULL,
-   ROW_BOOL, offsetof(struct _p_Pressure, wall_suction)},
+  {"-pressure_wall_suction", "Walls may pull by the density source, as printed", NULL, NULL, ROW_BOOL,
+   offsetof(struct _p_Pressure, wall_suction)},
   {"-pressure_density_tolerance",
    "Largest relative density error that the solver may leave in a step; 0: PETSc's own test, -ksp_rtol and the others",
    "1", "[0, inf)", ROW_REAL, offsetof(struct _p_Pressure, density_tolerance)},

@@ -495,7 +495,7 @@ PetscErrorCode SimStep(Sim sim, PetscReal end)
                  sim->writes ? OutputFolder(sim->output) : "");
   PetscCall(StepperBring(sim->stepper, sim->packing, sim->gauges, PETSC_FALSE, &sim->state));
   sim->steps++;
-  clock = (PetscBool)(sim->writes && OutputClockDue(sim->output));
+  clock = (PetscBool)(sim->writes && !sim->cloud->keep_order && OutputClockDue(sim->output)); /* no pair is begun */
   PetscCall(InterruptCheck(sim->comm, &clock, &sim->interrupted));
   PetscCall(WriteStep(sim, clock));
   PetscCall(PetscLogStagePop());

@@ -87,8 +87,8 @@ PetscErrorCode StepTension(Stepper stepper, PetscReal dt)
 {
   const Tension   tension = stepper->tension;
   const PetscReal other   = stepper->second ? stepper->now.usual : dt;
-  const PetscBool pairs   = (PetscBool)(dt > 0 && stepper->force_time == 0.5 && TensionPairs(tension) &&
-                                      dt + other <= stepper->bounds.tension);
+  const PetscBool pairs =
+    (PetscBool)(dt > 0 && stepper->force_time == 0.5 && TensionPairs(tension) && dt + other <= stepper->bounds.tension);
 
   PetscFunctionBegin;
   StepHook(stepper, tense, &step);

@@ -1,7 +1,8 @@
 /* One tension for two steps, where both together are within what tension allows: it is that between them, with the
    liquid half a step of its velocity ahead. With a force on each oscillation that is the leapfrog of the double step,
-   which neither feeds nor damps it; a tension that is merely held acts late, and waves of a rate w gain w2 dt/4 of their
-   amplitude in a unit of time. The curvature is the dearest part of a step near a surface; in such steps it costs half.
+   which neither feeds nor damps it; a tension that is merely held acts late, and waves of a rate w gain w2 dt/4 of
+   their amplitude in a unit of time. The curvature is the dearest part of a step near a surface; in such steps it costs
+   half.
 
    What is kept are the numbers of particles in their local order, which stays between both (cloud->keep_order). After
    any new order, as after a checkpoint, the second step has its own tension. */
@@ -21,7 +22,7 @@ static PetscErrorCode Keep(Tension tension, Cloud cloud, const PetscReal before[
 {
   const PetscReal *capillary = cloud->field[FIELD_CAPILLARY], *slope = cloud->field[FIELD_CAPILLARY_SLOPE],
                   *bending = cloud->field[FIELD_BENDING], *after = cloud->field[FIELD_ACCELERATION];
-  Kept *kept               = &tension->kept;
+  Kept *kept = &tension->kept;
 
   PetscFunctionBegin;
   if (cloud->n_fluid > kept->capacity) {
