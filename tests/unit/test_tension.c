@@ -635,51 +635,6 @@ static PetscErrorCode TestHold(const char options[], const char name[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One tension serves two steps: it is that of the places between them, and the second step gets it to the last bit,
-   with the pull of sheets; TensionApply between, or a new order, ends that. */
-static PetscErrorCode TestPair(void)
-{
-  const PetscReal time = 0.05;
-  PetscReal      *x, *v, *first[3], apart[3] = {0, 0, 0}, largest = 0;
-  Setup           s;
-
-  PetscFunctionBegin;
-  PetscCall(SetupPack("-dimension 2 -spacing 1 -box_lower -20,-20 -box_upper 20,20 -bodies a,b -a_shape sphere "
-                      "-a_radius 8 -a_tension 1 -b_lower 10,-9 -b_upper 12,9 -b_tension 1 ",
-                      &s));
-  PetscCall(SetupMoments(&s));
-  x = s.cloud->field[FIELD_POSITION];
-  v = s.cloud->field[FIELD_VELOCITY];
-  for (PetscInt k = 0; k < DIM * s.cloud->n_total; k++) v[k] = k % DIM == 0 ? 3 * x[k] / 8 : 0; /* stretches */
-  for (PetscInt k = 0; k < 3; k++) {
-    PetscCall(PetscMalloc1((DIM + 1) * s.cloud->n_fluid, &first[k]));
-    PetscCall(PetscArrayzero(s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_owned));
-    for (PetscInt i = 0; i < DIM * s.cloud->n_total && k == 2; i++) x[i] += time * v[i];
-    if (k == 0) PetscCall(TensionApplyAhead(s.tension, s.cloud, time));
-    if (k == 1) PetscCall(TensionApplyKept(s.tension, s.cloud));
-    if (k == 2) PetscCall(TensionApply(s.tension, s.cloud));
-    PetscCall(PetscArraycpy(first[k], s.cloud->field[FIELD_ACCELERATION], DIM * s.cloud->n_fluid));
-    PetscCall(PetscArraycpy(first[k] + DIM * s.cloud->n_fluid, s.cloud->field[FIELD_CAPILLARY], s.cloud->n_fluid));
-  }
-  for (PetscInt i = 0; i < (DIM + 1) * s.cloud->n_fluid; i++) {
-    apart[0] = PetscMax(apart[0], PetscAbsReal(first[1][i] - first[0][i]));
-    apart[1] = PetscMax(apart[1], PetscAbsReal(first[2][i] - first[0][i]));
-    if (i < DIM * s.cloud->n_fluid) largest = PetscMax(largest, PetscAbsReal(first[0][i]));
-  }
-  CHECK(SetupMax(largest) > 0, "pair_pulls");
-  CHECK_CLOSE(SetupMax(apart[0]), 0, 0, "pair_second");
-  CHECK_CLOSE(SetupMax(apart[1]), 0, 1e-12, "pair_between");
-  for (PetscInt i = 0; i < DIM * s.cloud->n_total; i++) x[i] -= time * v[i];
-  PetscCall(TensionApplyKept(s.tension, s.cloud));
-  for (PetscInt a = 0; a < s.cloud->n_fluid; a++)
-    apart[2] =
-      PetscMax(apart[2], PetscAbsReal(s.cloud->field[FIELD_CAPILLARY][a] - first[0][DIM * s.cloud->n_fluid + a]));
-  CHECK(SetupMax(apart[2]) > 1e-4, "pair_ended");
-  for (PetscInt k = 0; k < 3; k++) PetscCall(PetscFree(first[k]));
-  PetscCall(SetupClose(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* A drop of particles of two spacings, with a fine region elsewhere, has the pressure of a drop of fine ones. */
 static PetscErrorCode TestCoarse(void)
 {
@@ -728,7 +683,6 @@ int main(int argc, char **argv)
   PetscCall(TestBand());
   PetscCall(TestPrinted());
   PetscCall(TestCoarse());
-  PetscCall(TestPair());
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscFinalize());
   return CHECK_DONE();
