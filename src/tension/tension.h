@@ -41,10 +41,10 @@ void TensionStepLimits(Tension tension, PetscReal *limit, PetscReal *most);
    or sets FIELD_CAPILLARY and FIELD_CAPILLARY_SLOPE, which the pressure solver reads, and FIELD_BENDING if the spacing
    adapts (zero otherwise). Evaluates particles near surface particles only. Collective. */
 PetscErrorCode TensionApply(Tension tension, Cloud cloud);
-/* TensionPairs - whether the tension depends on the places of the liquid alone, so that one can serve two steps.
-   TensionApplyAhead - TensionApply with the fluid, ghosts too, moved by FIELD_VELOCITY for a time (s), for this step
-   and the next, which keeps the local order. TensionApplyKept - the same tension again, or TensionApply if the order is
-   new or TensionApply came between. Collective but for TensionPairs. */
+/* TensionPairs - whether one tension can serve two steps: it depends on the places of the liquid alone, and not of
+   rings. TensionApplyAhead - TensionApply with the fluid, ghosts too, moved by FIELD_VELOCITY for a time (s), for this
+   step and the next, which keeps the local order. TensionApplyKept - the same tension again, or TensionApply if the
+   order is new or TensionApply came between. Collective but for TensionPairs. */
 PetscBool      TensionPairs(Tension tension);
 PetscErrorCode TensionApplyAhead(Tension tension, Cloud cloud, PetscReal time);
 PetscErrorCode TensionApplyKept(Tension tension, Cloud cloud);

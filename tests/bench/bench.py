@@ -76,11 +76,18 @@ class Steps(NamedTuple):
     memory: int
     log: str
 
-    def event(self, name):
-        """Seconds and count of an event in the stage of the steps, of one rank."""
+    def counts(self):
+        """{event: (seconds, count)} in the stage of the steps, of one rank."""
         stage = [part for part in self.log.split("--- Event Stage") if "SphSolve" in part and "SphShift" in part][-1]
-        match = re.search(rf"^{name}\s+(\d+) [\d.]+ ([\d.e+-]+)", stage, re.M)
-        return (float(match.group(2)), int(match.group(1))) if match else (0.0, 0)
+        return {name: (float(seconds), int(count))
+                for name, count, seconds in re.findall(r"^(\w+)\s+(\d+) [\d.]+ ([\d.e+-]+)", stage, re.M)}
+
+    def event(self, name):
+        return self.counts().get(name, (0.0, 0))
+
+    def events(self):
+        """{event of isph: seconds}"""
+        return {name: seconds for name, (seconds, _) in self.counts().items() if name.startswith("Sph")}
 
 
 def execute(command, log):

@@ -11,10 +11,12 @@ SIZE = quick
 bench: isph
 	@$(PYTHON) tests/bench/bench.py --size "$$SIZE"
 	@$(PYTHON) tests/bench/variants.py
+	@$(PYTHON) tests/bench/events.py
 
 bench-readme:
 	@$(PYTHON) tests/bench/bench.py --readme
 	@$(PYTHON) tests/bench/variants.py --readme
+	@$(PYTHON) tests/bench/events.py --readme
 
 # Processor time and errors of the whole impact in different ways, into output/bench_results/, five minutes of one core;
 # FLAGS=--all: the slow ones too; FLAGS=--readme: puts the last table into tests/bench/README.md

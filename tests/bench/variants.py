@@ -62,16 +62,22 @@ def builds(folder):
     return names
 
 
+def start(folder, scene, program):
+    """The checkpoint from which a scene's steps are taken; made once."""
+    options, moment, _ = SCENES[scene]
+    path = os.path.join(folder, "states", "_".join(scene.replace(",", "").split()) + ".h5")
+    if not os.path.exists(path):
+        states.reach(program, [*options, "-time_end", moment, "-checkpoint_interval", "1"], path, bench.environment())
+    return path
+
+
 def measure(folder, scene, programs):
     """A row of the table: us a particle and step of the native program, and how many times that the others take, the
     median of some turns."""
-    options, moment, number = SCENES[scene]
+    options, _, number = SCENES[scene]
     native, *others = programs
-    start = os.path.join(folder, "states", "_".join(scene.replace(",", "").split()) + ".h5")
-    if not os.path.exists(start):
-        states.reach(programs[native][0], [*options, "-time_end", moment, "-checkpoint_interval", "1"], start,
-                     bench.environment())
-    turns = [{name: bench.take(folder, [*options, "-restart", start], number, program=command)
+    begin = start(folder, scene, programs[native][0])
+    turns = [{name: bench.take(folder, [*options, "-restart", begin], number, program=command)
               for name, command in programs.items()} for _ in range(TURNS)]
     if any(None in turn.values() for turn in turns):
         sys.exit(1)  # 'take' has said why
