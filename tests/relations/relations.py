@@ -65,6 +65,8 @@ KNOWN = {("sloshing/case", "books"): RISES, ("boat_at_wall/case", "books"): RISE
          **{(f"random/{k}", "books"): "strained graded rings gain 0.3 to 3 % of their kinetic energy"
             for k in (17, 50, 151)},
          ("rising_bubble/rings", "books"): "a bubble of five spacings gains twice the energy exchanged at its start"}
+# of a step, which a run has left for its last one; of the change in two whole steps, and of the largest speed
+SHORT, MORE, KICK = 0.01, 1.5, 3e-4
 OUTPUT = os.path.join(runs.ROOT, "output", "tests", "relations.json")
 
 
@@ -546,6 +548,27 @@ def stream(t):
                  limit=AMONG_WALLS if walls or "gas" in scene.options else CLOSE)  # gas has cells, which stand
 
 
+def ends(t):
+    """A run whose end is no multiple of its step kicks nothing there: no speed changes by more than in whole steps."""
+    dt = runs.series(t.plain.folder)["time_step"][-1]
+    odd = t.run(t.scene.copy(time_end=[t.plain.last["time"] + SHORT * dt]), steps=t.steps + 2)
+    after = t.run(t.scene, steps=t.steps + 2)
+    states = [by_number(run) for run in (t.plain, odd, after)]
+    both = functools.reduce(np.intersect1d, [state[0] for state in states])
+    v = [speeds[np.searchsorted(number, both)] for number, speeds in states]
+    most = max(np.abs(v[2]).max(), 1e-300)
+    kick, usual = np.abs(v[1] - v[0]).max() / most, np.abs(v[2] - v[0]).max() / most
+    if kick <= max(MORE * usual, KICK):
+        return []
+    return [f"speeds change by {kick:.2g} in the last step, {usual:.2g} in two whole ones"]
+
+
+def by_number(run):
+    """Numbers of the liquid in order, and its velocities."""
+    order = np.argsort(run.last["id"])
+    return run.last["id"][order], run.last["velocity"][order]
+
+
 def keeps(t):
     """A scene keeps mass, momentum and energy as far as it is closed."""
     def finer(end):
@@ -555,7 +578,8 @@ def keeps(t):
 
 
 RELATIONS = {r.__name__: r for r in (dump, restart, ranks, bodies, options, shift, mirror, turn, units, outputs, clock,
-                                     half, later, cut, far, frame, stream, said.first, said.books, said.told, keeps)}
+                                     half, later, cut, far, frame, stream, said.first, said.books, said.told, ends,
+                                     keeps)}
 
 
 def resolves(run, spacing):
