@@ -66,7 +66,7 @@ KNOWN = {("sloshing/case", "books"): RISES, ("boat_at_wall/case", "books"): RISE
             for k in (17, 50, 151)},
          ("rising_bubble/rings", "books"): "a bubble of five spacings gains twice the energy exchanged at its start"}
 # of a step, which a run has left for its last one; of the change in two whole steps, and of the largest speed
-SHORT, MORE, KICK = 0.01, 1.5, 3e-4
+SHORT, MORE, KICK = 0.01, 3, 3e-4
 OUTPUT = os.path.join(runs.ROOT, "output", "tests", "relations.json")
 
 
