@@ -135,7 +135,7 @@ static PetscErrorCode Act(const Step *step, PetscBool stretches)
   PetscCall(CloudGetWork(cloud, 6, &T));
   PetscCall(CloudGetWork(cloud, DIM, &normal));
   PetscCall(OperatorsVelocityGradient(cloud, viscosity, L));
-  PetscCall(ElasticNormals(cloud, normal));
+  PetscCall(OperatorsSmoothNormals(cloud, normal));
   ElasticSolenoidal(cloud, normal, L);
   for (PetscInt a = 0; a < cloud->n_fluid && stretches; a++)
     if (Of(cloud, a)->modulus > 0)

@@ -51,15 +51,12 @@ PetscReal PolymersStiffness(const Polymers *p, const PetscReal s[6], PetscReal *
 
 /* --- stress.c --- */
 
-/* ElasticNormals - n ([n_fluid][3]): unit normals into the liquid of particles at and near the free surface, smooth;
-   zero: inside. Collective.
-   ElasticSolenoidal - takes the divergence off the gradients L ([n_fluid][9], 1/s): the liquid has none. Near the
-   surface the derivative along n is the uncertain one. Not collective.
+/* ElasticSolenoidal - takes the divergence off the gradients L ([n_fluid][9], 1/s): the liquid has none. Near the
+   surface the derivative along n (OperatorsSmoothNormals) is the uncertain one. Not collective.
    ElasticMix - mixes FIELD_STRETCH of a particle with that of like neighbours less its slope: in a unit of shear of the
    gradients L ([n_fluid][9], 1/s), in which it gets new neighbours, wholly; time (s). Collective.
    ElasticDivergence - force ([n_fluid][3], N/m3) = div T of stresses ([n_total][6], Pa), no stress on the free surface;
    conserves momentum but for what walls take, which is added to wall ([n_total][3], N). Collective. */
-PetscErrorCode ElasticNormals(Cloud cloud, PetscReal n[]);
 void           ElasticSolenoidal(Cloud cloud, const PetscReal n[], PetscReal L[]);
 PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time);
 PetscErrorCode ElasticDivergence(Cloud cloud, const PetscReal n[], const PetscReal T[], PetscReal force[],

@@ -2,42 +2,12 @@
 #include "../neighbors/pairs.h"
 #include "elastic_impl.h"
 
-/* weight of a particle in the mean of its normal over that of its neighbours: there are some eight beside it */
-#define SELF 0.125
-
 static PetscReal Scale(Cloud cloud)
 {
   PetscReal scale_w, scale_f, inverse_h2;
 
   KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
   return cloud->domain->volume * scale_f;
-}
-
-PetscErrorCode ElasticNormals(Cloud cloud, PetscReal n[])
-{
-  const PetscReal *normal = cloud->field[FIELD_NORMAL];
-  PairRow          row;
-
-  PetscFunctionBegin;
-  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal sum[DIM] = {0, 0, 0}, weight = 0, *out = n + DIM * a, length;
-
-    for (PetscInt d = 0; d < DIM; d++) out[d] = 0;
-    if (!cloud->integer[INT_SURFACE][a]) continue;
-    PairRowLoadFactors(cloud, a, &row);
-    for (PetscInt k = 0; k < row.n; k++) {
-      const PetscInt b = row.index[k];
-
-      if (cloud->integer[INT_LAYER][b]) continue;
-      weight += row.f[k];
-      for (PetscInt d = 0; d < DIM; d++) sum[d] += row.f[k] * normal[DIM * b + d];
-    }
-    for (PetscInt d = 0; d < DIM; d++) sum[d] = -(sum[d] + SELF * weight * normal[DIM * a + d]);
-    length = Norm(sum);
-    for (PetscInt d = 0; d < DIM && length > 0; d++) out[d] = sum[d] / length;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void ElasticSolenoidal(Cloud cloud, const PetscReal n[], PetscReal L[])

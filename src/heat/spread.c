@@ -143,13 +143,10 @@ static PetscErrorCode AddWall(HeatSpread *spread, PetscInt first, Cloud cloud, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What it exchanges with the air, by its part of the surface; tension knows the curvature of that. */
-static PetscErrorCode AddAir(HeatSpread *spread, Cloud cloud, const Scalar *scalar, PetscInt a)
+/* What it exchanges with the air, by its part of the surface, whose curvature is kappa (1/m). */
+static PetscErrorCode AddAir(HeatSpread *spread, Cloud cloud, const Air *air, PetscInt a, PetscReal kappa)
 {
-  const PetscReal sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension,
-                  kappa = sigma > 0 ? cloud->field[FIELD_CAPILLARY][a] / sigma : 0;
-  const Air      *air   = scalar->air ? (const Air *)SceneOwn(cloud->scene, scalar->air) : NULL;
-  const PetscReal give  = air && air->transfer > 0 ? air->transfer * OperatorsSurfaceArea(cloud, a, kappa) : 0;
+  const PetscReal give = air->transfer * OperatorsSurfaceArea(cloud, a, kappa);
 
   PetscFunctionBegin;
   if (give > 0)
@@ -158,9 +155,10 @@ static PetscErrorCode AddAir(HeatSpread *spread, Cloud cloud, const Scalar *scal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the pairs of fluid particle a those of its conductivity, and adds what it exchanges. C ([n_total]), depth. */
+/* Makes the pairs of fluid particle a those of its conductivity, and adds what it exchanges. C ([n_total]), depth;
+   kappa: [n_fluid] of OperatorsCurvatures, NULL: the air takes nothing. */
 static PetscErrorCode CompleteRow(HeatSpread *spread, Cloud cloud, const Scalar *scalar, PetscInt a,
-                                  const PetscReal C[], const PetscReal depth[])
+                                  const PetscReal C[], const PetscReal depth[], const PetscReal kappa[])
 {
   const Scene     scene = cloud->scene;
   const PetscReal own   = ScalarOf(scene, scalar, cloud->integer[INT_BODY][a])->conductivity;
@@ -180,7 +178,7 @@ static PetscErrorCode CompleteRow(HeatSpread *spread, Cloud cloud, const Scalar 
         Harmonic(own, ScalarOf(scene, scalar, cloud->integer[INT_BODY][b])->conductivity) * 2 / (C[a] + C[b]);
     sum += 2 * spread->pair[k];
   }
-  PetscCall(AddAir(spread, cloud, scalar, a));
+  if (kappa) PetscCall(AddAir(spread, cloud, (const Air *)SceneOwn(scene, scalar->air), a, kappa[a]));
   for (PetscInt k = first; k < spread->count; k++) sum += spread->exchange[k].conductance;
   spread->fastest = PetscMax(spread->fastest, sum / ScalarStore(cloud, scalar, a)); /* Gershgorin's circle */
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -188,7 +186,8 @@ static PetscErrorCode CompleteRow(HeatSpread *spread, Cloud cloud, const Scalar 
 
 PetscErrorCode SpreadFind(HeatSpread *spread, Cloud cloud, const Scalar *scalar)
 {
-  PetscReal *C, *depth;
+  const Air *air = scalar->air ? (const Air *)SceneOwn(cloud->scene, scalar->air) : NULL;
+  PetscReal *C, *depth, *kappa = NULL;
   PairRow    row;
 
   PetscFunctionBegin;
@@ -206,7 +205,12 @@ PetscErrorCode SpreadFind(HeatSpread *spread, Cloud cloud, const Scalar *scalar)
     C[a] = FindRow(cloud, scalar, a, depth, &row, spread->pair + cloud->first[a]);
   for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) C[a] = 1;
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, C));
-  for (PetscInt a = 0; a < cloud->n_fluid; a++) PetscCall(CompleteRow(spread, cloud, scalar, a, C, depth));
+  if (air && air->transfer > 0) {
+    PetscCall(CloudGetWork(cloud, 1, &kappa));
+    PetscCall(OperatorsCurvatures(cloud, kappa));
+  }
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) PetscCall(CompleteRow(spread, cloud, scalar, a, C, depth, kappa));
+  if (kappa) PetscCall(CloudRestoreWork(cloud, &kappa));
   PetscCall(CloudRestoreWork(cloud, &depth));
   PetscCall(CloudRestoreWork(cloud, &C));
   PetscFunctionReturn(PETSC_SUCCESS);

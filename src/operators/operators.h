@@ -98,6 +98,11 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud);
 /* OperatorsSurfaceArea - area of a particle's part of the free surface, m2, where the sum of its curvatures is kappa,
    1/m; kappa 0 leaves a curved one too small. Needs OperatorsFreeSurface. Not collective. */
 PetscReal OperatorsSurfaceArea(Cloud cloud, PetscInt a, PetscReal kappa);
+/* OperatorsSmoothNormals - n ([n_fluid][3]): unit normals into the liquid of particles at and near the free surface,
+   smooth; zero: inside. OperatorsCurvatures - kappa ([n_fluid], 1/m) for OperatorsSurfaceArea, from these normals;
+   tension has a better one. Need OperatorsFreeSurface. Collective. */
+PetscErrorCode OperatorsSmoothNormals(Cloud cloud, PetscReal n[]);
+PetscErrorCode OperatorsCurvatures(Cloud cloud, PetscReal kappa[]);
 /* OperatorsViscosityFactor - the factor zeta of a form: dim/int r^2 W (1/m2), dim + 2, 1. Without order in the
    particles sum V F r_i r_j r_k r_l is M (d_ij d_kl + d_ik d_jl + d_il d_jk)/dim for the second moment M = int r^2 W,
    so that 2 dim nu/M sum V F (v.r) r is nu lap v of a velocity without divergence. Not collective. */
@@ -123,7 +128,7 @@ PetscErrorCode OperatorsApparentViscosity(Cloud cloud, const Viscosity *viscosit
 PetscErrorCode OperatorsVelocityGradient(Cloud cloud, const Viscosity *viscosity, PetscReal L[]);
 /* OperatorsShearRate - the shear rate sqrt(2 D:D) of a velocity gradient L, 1/s. Not collective. */
 PetscReal OperatorsShearRate(const PetscReal L[DIM][DIM]);
-PetscReal      OperatorsWallFraction(Cloud cloud, PetscInt a, PetscInt b, const PetscReal depth[]);
+PetscReal OperatorsWallFraction(Cloud cloud, PetscInt a, PetscInt b, const PetscReal depth[]);
 /* OperatorsViscosity - adds the viscous term to FIELD_ACCELERATION of the fluid, m/s2. density: [n_total] kg/m3. With
    the rest density, pairs weigh more where neighbours are missing (FIELD_DENSITY of owned particles and ghosts), so
    that thin sheets have their full viscosity. Walls have their own velocity and the viscosity of their neighbour. A

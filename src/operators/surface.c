@@ -1,4 +1,5 @@
 /* Free-surface detection of Marrone, Colagrossi, Le Touze and Graziani 2010. */
+#include "../neighbors/pairs.h"
 #include "operators.h"
 
 #define LAMBDA_INNER 0.75 /* of Marrone et al.: particles with a larger lambda are not on the surface */
@@ -88,6 +89,36 @@ PetscErrorCode OperatorsFreeSurface(Cloud cloud)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* weight of a particle in the mean of its normal over that of its neighbours: there are some eight beside it */
+#define SELF 0.125
+
+PetscErrorCode OperatorsSmoothNormals(Cloud cloud, PetscReal n[])
+{
+  const PetscReal *normal = cloud->field[FIELD_NORMAL];
+  PairRow          row;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    PetscReal sum[DIM] = {0, 0, 0}, weight = 0, *out = n + DIM * a, length;
+
+    for (PetscInt d = 0; d < DIM; d++) out[d] = 0;
+    if (!cloud->integer[INT_SURFACE][a]) continue;
+    PairRowLoadFactors(cloud, a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscInt b = row.index[k];
+
+      if (cloud->integer[INT_LAYER][b]) continue;
+      weight += row.f[k];
+      for (PetscInt d = 0; d < DIM; d++) sum[d] += row.f[k] * normal[DIM * b + d];
+    }
+    for (PetscInt d = 0; d < DIM; d++) sum[d] = -(sum[d] + SELF * weight * normal[DIM * a + d]);
+    length = Norm(sum);
+    for (PetscInt d = 0; d < DIM && length > 0; d++) out[d] = sum[d] / length;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The integral of |n| over the liquid below a flat surface is half its area for any kernel, n = sum V grad W: sum V W
    rises from 1/2 at the surface to 1 inside. Of a curved one it is 1 - kappa s of that, s the depth int (1 - F) of the
    filled fraction F: below it there is less, and the missing pairs of a curved surface are more. Rings below have as
@@ -99,4 +130,40 @@ PetscReal OperatorsSurfaceArea(Cloud cloud, PetscInt a, PetscReal kappa)
   if (!cloud->integer[INT_SURFACE][a] || size == 0) return 0;
   if (cloud->domain->rings && kappa != 0) kappa -= n[0] / (size * cloud->field[FIELD_POSITION][DIM * a]);
   return 2 * cloud->volume[a] * size * (1 + kappa * KernelPlaneMoment(cloud->kernel) * cloud->size[a]);
+}
+
+/* The divergence of the smooth normals along the surface, from the slope that fits those of one side: G is K M, K their
+   gradient, M the second moment, of which the part in the surface counts. Rings have their hoop. */
+PetscErrorCode OperatorsCurvatures(Cloud cloud, PetscReal kappa[])
+{
+  const PetscReal *x = cloud->field[FIELD_POSITION];
+  PetscReal       *n;
+  PairRow          row;
+
+  PetscFunctionBegin;
+  PetscCall(CloudGetWork(cloud, DIM, &n));
+  PetscCall(PetscArrayzero(n + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
+  PetscCall(OperatorsSmoothNormals(cloud, n));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, n));
+  for (PetscInt a = 0; a < cloud->n_fluid; a++) {
+    const PetscReal *own  = n + DIM * a;
+    PetscReal        turn = 0, moment = 0;
+
+    kappa[a] = 0;
+    if (Dot(own, own) == 0) continue;
+    PairRowLoadFactors(cloud, a, &row);
+    for (PetscInt k = 0; k < row.n; k++) {
+      const PetscReal *its = n + DIM * row.index[k], *y = x + DIM * row.index[k],
+                      r[DIM]      = {x[DIM * a] - y[0], x[DIM * a + 1] - y[1], x[DIM * a + 2] - y[2]},
+                      change[DIM] = {own[0] - its[0], own[1] - its[1], own[2] - its[2]};
+
+      if (Dot(own, its) <= 0) continue;
+      turn += row.f[k] * Dot(change, r);
+      moment += row.f[k] * (Dot(r, r) - PetscSqr(Dot(r, own)));
+    }
+    if (moment != 0) kappa[a] = -turn / moment * (cloud->domain->dim - 1);
+    if (cloud->domain->rings) kappa[a] -= own[0] / x[DIM * a];
+  }
+  PetscCall(CloudRestoreWork(cloud, &n));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -111,7 +111,7 @@ static PetscErrorCode TestThread(PetscReal radius, PetscReal tol)
     T[6 * a + 3] = x[0] * b;
   }
   PetscCall(CloudUpdateArray(s.cloud, 6, PARITY_TENSOR, T));
-  PetscCall(ElasticNormals(s.cloud, n));
+  PetscCall(OperatorsSmoothNormals(s.cloud, n));
   PetscCall(ElasticDivergence(s.cloud, n, T, f, wall));
   for (PetscInt a = 0; a < s.cloud->n_fluid; a++) {
     power += s.cloud->volume[a] * f[DIM * a + 1] * PetscSinReal(k * s.cloud->field[FIELD_POSITION][DIM * a + 1]);
@@ -183,7 +183,7 @@ static PetscErrorCode TestSeen(void)
   PetscCall(PetscArrayzero(wall, DIM * s.cloud->n_total));
   for (PetscInt a = 0; a < s.cloud->n_total; a++)
     for (PetscInt m = 0; m < 6; m++) T[6 * a + m] = (m == 3) + 2 * (m == 1);
-  PetscCall(ElasticNormals(s.cloud, u));
+  PetscCall(OperatorsSmoothNormals(s.cloud, u));
   PetscCall(ElasticDivergence(s.cloud, u, T, seen, wall));
   for (PetscInt a = s.cloud->n_fluid; a < s.cloud->n_total; a++)
     for (PetscInt d = 0; d < DIM; d++) on[d] += wall[DIM * a + d];
