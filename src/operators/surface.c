@@ -162,7 +162,7 @@ PetscErrorCode OperatorsCurvatures(Cloud cloud, PetscReal kappa[])
       moment += row.f[k] * (Dot(r, r) - PetscSqr(Dot(r, own)));
     }
     if (moment != 0) kappa[a] = -turn / moment * (cloud->domain->dim - 1);
-    if (cloud->domain->rings) kappa[a] -= own[0] / x[DIM * a];
+    kappa[a] -= DomainLengthening(cloud->domain, x + DIM * a, own);
   }
   PetscCall(CloudRestoreWork(cloud, &n));
   PetscFunctionReturn(PETSC_SUCCESS);
