@@ -8,13 +8,13 @@ A scene that is a body of revolution is computed as rings, one with mirrors as a
 be carried back (reduce.py) and if the whole scene at a coarse spacing gives the same (Proof). COLUMN is one of
 series.csv, TAKE one of max, min, end, rest, time_of_max, at=TIME, mean=TIME,TIME, settles=PER CENT (SI units). Where
 only ends are asked, runs end at rest (-stop_at_rest). It begins at coarse spacings, goes finer, and stops when the
-error of every quantity is at most ACCURACY per cent of it, or when the next spacing would cost more than what is left
-of BUDGET (seconds of one core, all runs together). Where two spacings will not do, the same two with a spacing that
-follows the liquid tell which way gives more accuracy in the time that is left (grading.py). Runs end when no quantity
-can change any more: of a maximum, when two coarser spacings have shown that it has passed. A single run is divided
-among the cores that are free. Prints value, error by spacing, error by packing, and the command that reproduces the
-last run; FOLDER/answer.html has it with pictures, answer.csv the values, answer.json the choice of the spacing. A run
-that is there already, by the same command, is not run again.
+error of every quantity is at most ACCURACY per cent of it (of a temperature, of the range in the liquid), or when the
+next spacing would cost more than what is left of BUDGET (seconds of one core, all runs together). Where two spacings
+will not do, the same two with a spacing that follows the liquid tell which way gives more accuracy in the time that is
+left (grading.py). Runs end when no quantity can change any more: of a maximum, when two coarser spacings have shown
+that it has passed. A single run is divided among the cores that are free. Prints value, error by spacing, error by
+packing, and the command that reproduces the last run; FOLDER/answer.html has it with pictures, answer.csv the values,
+answer.json the choice of the spacing. A run that is there already, by the same command, is not run again.
 """
 import argparse
 import csv
@@ -138,11 +138,11 @@ class Answer:
         return self.arguments.budget - self.spent
 
     def verdicts(self):
-        return [ladder.Verdict([(spacing, [q.of(run.series) for run in runs]) for spacing, runs in self.rungs])
-                for q in self.quantities]
+        return [ladder.Verdict([(spacing, [q.of(run.series) for run in runs]) for spacing, runs in self.rungs],
+                               q.size(self.rungs[-1][1][0].series)) for q in self.quantities]
 
     def enough(self, verdicts):
-        return all(v.bar <= self.arguments.accuracy / 100 * abs(v.value) for v in verdicts)
+        return all(v.share <= self.arguments.accuracy for v in verdicts)
 
     def needed(self, verdicts, cost):
         """How many packings a spacing begins with: the first two have several, to tell how large chance is, the second
@@ -153,7 +153,7 @@ class Answer:
         if len(self.rungs) > 1:
             return 1
         one = [v.chance * math.sqrt(len(self.rungs[-1][1])) for v in verdicts]
-        wanted = [CHANCE * self.arguments.accuracy / 100 * abs(v.value) for v in verdicts]
+        wanted = [CHANCE * self.arguments.accuracy / 100 * v.size for v in verdicts]
         many = max((c / w)**2 if w > 0 else math.inf for c, w in zip(one, wanted))
         return min(max(2, math.ceil(min(many, FIRST) - ROUNDING)), next(
             (n for n, share in CHEAP if n * cost <= share * self.arguments.budget), 1))
@@ -162,7 +162,7 @@ class Answer:
         """Whether chance is the larger error, and packings at this spacing are cheaper than a finer spacing."""
         spacing, runs = self.rungs[-1]
         one = ladder.mean([run.cpu for run in runs])
-        wide = any(v.chance > v.spacing and v.bar > self.arguments.accuracy / 100 * abs(v.value) for v in verdicts)
+        wide = any(v.chance > v.spacing and v.share > self.arguments.accuracy for v in verdicts)
         return wide and len(runs) < 8 and self.spent + len(runs) * one <= self.arguments.budget \
             and len(runs) * one < self.guess(spacing / RATIO)
 
@@ -366,7 +366,7 @@ def confidence(verdict, accuracy, doubt=""):
         return "fair: " + doubt
     if not math.isfinite(verdict.bar):
         return "none: " + verdict.words
-    if verdict.bar > accuracy / 100 * abs(verdict.value):
+    if verdict.share > accuracy:
         return "low: " + verdict.words
     if 0.5 < verdict.order < 4 or "no more than packings" in verdict.words:
         return "good: " + verdict.words
@@ -377,10 +377,9 @@ def report(answer, verdicts, why):
     """The lines of the answer."""
     lines = []
     for q, v in zip(answer.quantities, verdicts):
-        share = 100 * v.bar / abs(v.value) if v.value else math.inf
-        met = "" if share <= answer.arguments.accuracy else f"not converged to {answer.arguments.accuracy:g} %: "
-        lines.append(f"{q.text} = {met}{v.value:.5g} +- {v.bar:.2g} {q.unit()} ({share:.2g} %): {v.spacing:.2g} by the "
-                     f"spacing, {v.chance:.2g} by the packing. Confidence "
+        met = "" if v.share <= answer.arguments.accuracy else f"not converged to {answer.arguments.accuracy:g} %: "
+        lines.append(f"{q.text} = {met}{v.value:.5g} +- {v.bar:.2g} {q.unit()} ({v.share:.2g} %{q.whole()}): "
+                     f"{v.spacing:.2g} by the spacing, {v.chance:.2g} by the packing. Confidence "
                      f"{confidence(v, answer.arguments.accuracy, answer.doubt)}.")
     spacing, runs = answer.rungs[-1]
     lines += [f"Note: {said}." for q in answer.quantities for said in q.remarks(runs[0].series)]
@@ -471,7 +470,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("scene", metavar="SCENE.opts")
     parser.add_argument("--quantity", required=True, help="COLUMN:TAKE, several separated by commas")
-    parser.add_argument("--accuracy", type=float, default=5, help="per cent of each quantity")
+    parser.add_argument("--accuracy", type=float, default=5,
+                        help="per cent of each quantity, of a temperature of the range in the liquid")
     parser.add_argument("--budget", type=float, default=600, help="seconds of one core, all runs together")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs side by side")
     parser.add_argument("--whole", action="store_true", help="the scene as it is, even where rings or a part would do")

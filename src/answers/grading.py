@@ -78,7 +78,7 @@ def judge(rows):
 def choose(uniform, following):
     """The choice after LEVELS spacings of 'uniform'; 'following' runs the same ones, if that pays."""
     left, bars = uniform.left(), uniform.verdicts()
-    if all(v.bar <= ladder.RATIO * uniform.arguments.accuracy / 100 * abs(v.value) for v in bars):
+    if all(v.share <= ladder.RATIO * uniform.arguments.accuracy for v in bars):
         return Choice(UNIFORM, "the next spacing may be enough")
     why = refused(uniform.scene, uniform.more, uniform.rungs[-1][0])
     if why:

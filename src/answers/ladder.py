@@ -25,10 +25,11 @@ def deviation(values):
 
 
 class Verdict:
-    """value, spacing (error), chance (error), bar, order (nan: does not converge), words."""
+    """value, spacing (error), chance (error), bar, order (nan: does not converge), words, share (of the bar, per
+    cent)."""
 
-    def __init__(self, rungs):
-        """rungs: [(spacing, [values of the packings])], coarse to fine."""
+    def __init__(self, rungs, size=0.0):
+        """rungs: [(spacing, [values of the packings])], coarse to fine; size: what the share is of, 0: the value."""
         self.value = mean(rungs[-1][1])
         self.chance = chance(rungs)
         self.order = math.nan
@@ -39,6 +40,8 @@ class Verdict:
         else:
             self.converge(rungs, means)
         self.bar = math.hypot(self.spacing, self.chance)
+        self.size = size or abs(self.value)
+        self.share = 100 * self.bar / self.size if self.size else math.inf if self.bar else 0.0
 
     def converge(self, rungs, means):
         spacings, means = [spacing for spacing, _ in rungs][-FEW:], means[-FEW:]

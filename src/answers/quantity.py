@@ -42,6 +42,18 @@ class Quantity:
                                   f"{', '.join(row['name'] for row in rows if row['name'] != 'time')}.")
         self.back = (self.row["name"], 1.0)
 
+    def warm(self):
+        return self.unit() == "K"
+
+    def size(self, series):
+        """What its accuracy is per cent of: of a temperature, whose zero is far away, its range in a run; 0: its
+        value."""
+        return float(np.nanmax(series["temperature_max"]) - np.nanmin(series["temperature_min"])) if self.warm() else 0.0
+
+    def whole(self):
+        """The same in words."""
+        return " of the range of temperature" if self.warm() else ""
+
     def unit(self):
         return "s" if self.take in ("time_of_max", "settles") else self.row["unit"] if self.row else ""
 

@@ -206,6 +206,12 @@ def quantities():
         one.find(rows)
         said = one.remarks(creep if text == "a:end" else series)
         runs.check(words in " ".join(said), f"remark_{text}", str(said))
+    hot = {"time": [0, 1], "temperature_min": [300, 301], "temperature_max": [math.nan, 310]}
+    warm = quantity.Quantity("temperature_max:end")
+    warm.find([{"file": "series.csv", "name": "temperature_max", "head": "temperature_max_K", "unit": "K"}])
+    two = ladder.Verdict([(2, [309.0, 309.1]), (1, [310.0, 310.1])], warm.size(hot))
+    runs.check_within(two.share, 10 * two.bar - 1e-9, 10 * two.bar + 1e-9, "a_temperature_is_judged_by_its_range")
+    runs.check(answer.confidence(two, 5).startswith("low"), "so_a_kelvin_of_ten_is_much", answer.confidence(two, 5))
     late = {"time": [1, 2, 3], "a": [1, 2, 3]}
     refused(lambda: quantity.Quantity("a:mean=0,2").of(late), "times from 1 to 3 s", "refuses_a_mean_before_the_start")
     peaks = {"time": [0, 1, 2, 3, 4, 5, 6], "a": [0, 9, 5, 3, 7, 1, 1], "up": list(range(7)), "flat": [1] * 7}
