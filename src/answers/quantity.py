@@ -48,7 +48,9 @@ class Quantity:
     def size(self, series):
         """What its accuracy is per cent of: of a temperature, whose zero is far away, its range in a run; 0: its
         value."""
-        return float(np.nanmax(series["temperature_max"]) - np.nanmin(series["temperature_min"])) if self.warm() else 0.0
+        if not self.warm():
+            return 0.0
+        return float(np.nanmax(series["temperature_max"]) - np.nanmin(series["temperature_min"]))
 
     def whole(self):
         """The same in words."""
