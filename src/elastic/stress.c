@@ -1,14 +1,6 @@
 /* The divergence of the stress, and what viscosity does to the velocities of the fit. */
-#include "../neighbors/pairs.h"
+#include "../operators/liquid_row.h"
 #include "elastic_impl.h"
-
-static PetscReal Scale(Cloud cloud)
-{
-  PetscReal scale_w, scale_f, inverse_h2;
-
-  KernelScales(cloud->kernel, &scale_w, &scale_f, &inverse_h2);
-  return cloud->domain->volume * scale_f;
-}
 
 void ElasticSolenoidal(Cloud cloud, const PetscReal n[], PetscReal L[])
 {
@@ -46,44 +38,10 @@ static void Add(const PetscReal T[6], PetscReal factor, const PetscReal d[DIM], 
   for (PetscInt i = 0; i < DIM; i++) sum[i] += factor * part[i];
 }
 
-/* The row of a fluid particle without walls: f[k] times d[k] is V grad W. */
-typedef struct {
-  PetscInt  n, index[ROW_CAPACITY];
-  PetscReal f[ROW_CAPACITY], d[ROW_CAPACITY][DIM];
-  PetscReal B[6]; /* the inverse of its moments; the identity where neighbours are too few */
-} Row;
-
-static void LoadRow(Cloud cloud, PetscInt a, Row *out)
-{
-  const PetscReal *x = cloud->field[FIELD_POSITION], scale = Scale(cloud);
-  PetscReal        M[6] = {0};
-  PairRow          row;
-
-  PairRowLoadFactors(cloud, a, &row);
-  out->n = 0;
-  for (PetscInt k = 0; k < row.n; k++) {
-    const PetscInt  b = row.index[k];
-    const PetscReal f = scale * row.f[k];
-    PetscReal      *d = out->d[out->n];
-
-    if (cloud->integer[INT_LAYER][b]) continue;
-    for (PetscInt i = 0; i < DIM; i++) d[i] = x[DIM * a + i] - x[DIM * b + i];
-    for (PetscInt i = 0; i < DIM; i++) M[i] -= f * d[i] * d[i];
-    M[3] -= f * d[0] * d[1];
-    M[4] -= f * d[0] * d[2];
-    M[5] -= f * d[1] * d[2];
-    out->index[out->n] = b;
-    out->f[out->n++]   = f;
-  }
-  for (PetscInt m = 0; m < 6; m++) out->B[m] = m < DIM;
-  if (SymmetricSmallestEigenvalue(cloud->domain->dim, M) > MOMENT_MINIMUM)
-    SymmetricInverse(cloud->domain->dim, M, out->B);
-}
-
 PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
 {
   PetscReal *s = cloud->field[FIELD_STRETCH], *mixed;
-  Row        row;
+  LiquidRow  row;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdate(cloud, FIELD_STRETCH));
@@ -95,7 +53,7 @@ PetscErrorCode ElasticMix(Cloud cloud, const PetscReal L[], PetscReal time)
     PetscReal       weight = 0, mean[DIM] = {0, 0, 0}, c[6], *out = mixed + 6 * a;
 
     if (own->modulus == 0 || share == 0) continue;
-    LoadRow(cloud, a, &row);
+    LiquidRowLoad(cloud, a, &row);
     for (PetscInt k = 0; k < row.n; k++) {
       if (!PolymersAlike(own, PolymersOf(cloud->scene, cloud->integer[INT_BODY][row.index[k]]))) row.f[k] = 0;
       weight += row.f[k];
@@ -135,9 +93,9 @@ static void DivergenceRow(Cloud cloud, const PetscReal T[], PetscInt a, const Pe
                   x[DIM] = {PetscMax(cloud->field[FIELD_POSITION][DIM * a],
                                      0.5 * cloud->size[a] * cloud->domain->spacing)},
                   bend   = DomainLengthening(cloud->domain, x, out_of_axis);
-  Row row;
+  LiquidRow row;
 
-  LoadRow(cloud, a, &row);
+  LiquidRowLoad(cloud, a, &row);
   for (PetscInt i = 0; i < DIM; i++) out[i] = conserved[i] = 0;
   for (PetscInt k = 0; k < row.n; k++) {
     const PetscReal *its = T + 6 * row.index[k], *d = row.d[k];

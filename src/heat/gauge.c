@@ -88,6 +88,7 @@ static PetscErrorCode Measure_Scalars(Gauges gauges, const void *data, PetscReal
     values += 3;
     for (PetscInt r = 0; r < RECEIVERS; r++) n += Gives(cloud->scene, scalar, r);
     if (n == 0) continue;
+    PetscCall(CloudUpdate(cloud, FIELD_POSITION));
     PetscCall(SpreadFind(&spread, cloud, scalar));
     SpreadFlows(&spread, cloud->field[scalar->field], flow);
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, flow, RECEIVERS, MPIU_REAL, MPIU_SUM, cloud->comm));

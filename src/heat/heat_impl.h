@@ -78,10 +78,6 @@ void           SpreadFlows(const HeatSpread *spread, const PetscReal T[], PetscR
 PetscErrorCode SpreadShift(Cloud cloud, const Scalar *scalar, const PetscReal moved[]);
 PetscErrorCode SpreadFree(HeatSpread *spread);
 
-/* HeatGradient - of a scalar T ([n_total], ghosts too) at fluid particle a, 1/m: exact if T is linear; zero with too
-   few neighbours. row: room; it has the pairs of a after. Not collective. */
-void HeatGradient(Cloud cloud, const PetscReal T[], PetscInt a, PairRow *row, PetscReal gradient[DIM]);
-
 extern const GaugeKind GaugeScalars;
 
 #endif

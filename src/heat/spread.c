@@ -12,7 +12,7 @@
    In time: Runge, Kutta, Legendre of second order (Meyer, Balsara and Aslam 2014). With s stages it is stable in steps
    of (s^2 + s - 2)/4 times the explicit limit, so the stages follow from the step, as the iterations of an implicit
    step would: as few of them, but each conserves heat to rounding, and no tolerance is left. */
-#include "../neighbors/pairs.h"
+#include "../operators/liquid_row.h"
 #include "heat_impl.h"
 
 #define STAGES_LEAST 3
@@ -308,48 +308,27 @@ PetscErrorCode SpreadStep(HeatSpread *spread, Cloud cloud, const Scalar *scalar,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void HeatGradient(Cloud cloud, const PetscReal T[], PetscInt a, PairRow *row, PetscReal gradient[DIM])
-{
-  PetscReal M[6] = {0}, B[6] = {0}, sum[DIM] = {0, 0, 0};
-
-  PairRowLoadGeometry(cloud, cloud->field[FIELD_POSITION], a, row);
-  PairRowGradient(cloud, a, row);
-  for (PetscInt k = 0; k < row->n; k++) {
-    const PetscInt  b    = row->index[k];
-    const PetscReal r[3] = {row->dx[k], row->dy[k], row->dz[k]},
-                    f    = cloud->integer[INT_LAYER][b] ? 0 : -cloud->domain->volume * cloud->weight[b] * row->F[k];
-
-    if (f == 0) continue;
-    for (PetscInt d = 0; d < DIM; d++) {
-      M[d] += f * r[d] * r[d];
-      sum[d] += f * (T[a] - T[b]) * r[d];
-    }
-    M[3] += f * r[0] * r[1];
-    M[4] += f * r[0] * r[2];
-    M[5] += f * r[1] * r[2];
-  }
-  if (SymmetricSmallestEigenvalue(cloud->domain->dim, M) > MOMENT_MINIMUM) SymmetricInverse(cloud->domain->dim, M, B);
-  TensorApply(B, sum[0], sum[1], sum[2], gradient);
-}
-
 /* The change of the value of fluid particle a by a shift dr, within the range of the neighbours. */
-static PetscReal Taylor(Cloud cloud, const PetscReal T[], PetscInt a, const PetscReal dr[DIM], PairRow *row)
+static PetscReal Taylor(Cloud cloud, const PetscReal T[], PetscInt a, const PetscReal dr[DIM])
 {
-  PetscReal low = T[a], high = T[a], gradient[DIM];
+  PetscReal low = T[a], high = T[a], along[DIM], change = 0;
+  LiquidRow row;
 
-  HeatGradient(cloud, T, a, row, gradient);
-  for (PetscInt k = 0; k < row->n; k++) {
-    if (cloud->integer[INT_LAYER][row->index[k]]) continue;
-    low  = PetscMin(low, T[row->index[k]]);
-    high = PetscMax(high, T[row->index[k]]);
+  LiquidRowLoad(cloud, a, &row);
+  TensorApply(row.B, dr[0], dr[1], dr[2], along);
+  for (PetscInt k = 0; k < row.n; k++) {
+    const PetscReal its = T[row.index[k]];
+
+    low  = PetscMin(low, its);
+    high = PetscMax(high, its);
+    if (row.enough) change += row.f[k] * (its - T[a]) * Dot(row.d[k], along);
   }
-  return PetscMax(low, PetscMin(high, T[a] + Dot(dr, gradient))) - T[a];
+  return PetscMax(low, PetscMin(high, T[a] + change)) - T[a];
 }
 
 PetscErrorCode SpreadShift(Cloud cloud, const Scalar *scalar, const PetscReal moved[])
 {
   PetscReal *T = cloud->field[scalar->field], *change, sum[2] = {0, 0}; /* of what is gained, and lost */
-  PairRow    row;
 
   PetscFunctionBegin;
   PetscCall(CloudUpdateArray(cloud, 1, PARITY_SCALAR, T));
@@ -357,7 +336,7 @@ PetscErrorCode SpreadShift(Cloud cloud, const Scalar *scalar, const PetscReal mo
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     const PetscReal *dr = moved + DIM * a;
 
-    change[a] = dr[0] != 0 || dr[1] != 0 || dr[2] != 0 ? Taylor(cloud, T, a, dr, &row) : 0;
+    change[a] = dr[0] != 0 || dr[1] != 0 || dr[2] != 0 ? Taylor(cloud, T, a, dr) : 0;
     sum[change[a] < 0] += ScalarStore(cloud, scalar, a) * PetscAbsReal(change[a]);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPIU_SUM, cloud->comm));
