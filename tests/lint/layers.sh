@@ -13,7 +13,7 @@ allowed="scene:domain" # on one floor, yet allowed: a scene lies in a domain
 declare -A public=([neighbors]=cloud.h)
 # Second public headers.
 extra=" base/json.h base/shared.h base/simd.h domain/images.h gauges/columns.h neighbors/pairs.h "
-extra+="neighbors/sorted_cells.h stepper/edge.h packing/samples.h scene/body.h tension/lines.h "
+extra+="neighbors/sorted_cells.h stepper/edge.h packing/samples.h scene/body.h tension/lines.h operators/liquid_row.h "
 bad=0
 fail() { echo "FAIL layers: $*"; bad=$((bad + 1)); }
 
