@@ -82,7 +82,7 @@ def sections(run, states, arguments, ends, folder):
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
     columns = 2 * COLUMNS if ratio > 2 else COLUMNS if ratio > 0.3 else 2 if ratio > 0.12 else 1
     width = 12.0 / columns
-    figure, axes = grid(len(states), width, min(6.0, 0.85 * width * ratio + 0.9), columns)
+    figure, axes = grid(len(states), width, min(6.0, 0.93 * width * ratio + LETTERS), columns)
     for panel, state in zip(axes, states):
         views.section(panel, run, state, arguments.color, ends, unit)
         gas.draw(panel, run, state, unit)
