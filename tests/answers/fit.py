@@ -125,6 +125,10 @@ def refused():
     says("3 values", VORTEX, (TIMES[:3], TIMES[:3]), one, **curve)
     says("begins at -0.5 s, before the scene", VORTEX, (TIMES - 0.5, TIMES), one, **curve)
     says("must have a lower end above 0", VORTEX, (TIMES, TIMES), {"water_viscosity": (0.1, 0.01)}, **curve)
+    says("must have a lower end above 0", VORTEX, (TIMES, TIMES), {"water_viscosity": 0.1}, **curve)
+    with open(runs.scratch("empty.csv"), "w", encoding="utf-8"):
+        pass
+    says("is empty", VORTEX, runs.scratch("empty.csv"), one)
     says("no option -water_colour", VORTEX, (TIMES, TIMES), {"water_colour": (1, 2)}, **curve)
     says("must have a head line with time_s", VORTEX, text, one)
     says("is no table", VORTEX, "nowhere.csv", one)

@@ -223,6 +223,12 @@ assert np.linalg.norm(place, axis=1).shape == up.shape == (len(now.body),)
 assert all(type(one) is np.ndarray for one in kept)
 was = kept[1].copy()
 says("in place", lambda: place.__setitem__(0, 1))
+says("pressure", lambda: now.set("pressure", now.pressure))
+try:
+    now.velocty = 0
+    print("not refused: a field that is misspelt")
+except AttributeError:
+    pass
 now.step()
 for late in (lambda: place + 1, lambda: up.max(), lambda: np.array(place), lambda: place[0],
              lambda: len(up), lambda: np.sum(up), lambda: list(place), lambda: place.shape):

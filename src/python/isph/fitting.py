@@ -74,6 +74,8 @@ class Curve:
     @staticmethod
     def read(path, column):
         try:
+            if not os.path.getsize(path):
+                raise ValueError("it is empty")
             table = np.genfromtxt(path, delimiter=",", names=True, deletechars="", encoding="utf-8")
         except (OSError, ValueError) as error:
             raise Error(f"{path} is no table: {str(error).splitlines()[0]}") from error
@@ -218,7 +220,7 @@ def asked(free, known, curve, start, name):
     if not free or len(free) > max(SCAN):
         raise Error(f"free has {len(free)} options; it must have 1 to {max(SCAN)}")
     for option, ends in free.items():
-        if len(ends) != 2 or not 0 < ends[0] < ends[1]:
+        if np.shape(ends) != (2,) or not 0 < ends[0] < ends[1]:
             raise Error(f"the range of {option} is {ends}; it must have a lower end above 0 and an upper end")
         if not any(row["name"] == "-" + option for row in known["options"]):
             raise Error(f"{name} has no option -{option}")

@@ -104,7 +104,8 @@ class Field(np.lib.mixins.NDArrayOperatorsMixin):
         return self._kept(self._now()[plain(key)])
 
     def __setitem__(self, key, value):
-        raise Error(f"a field cannot be changed in place: set a whole one, now.{self._name} = values")
+        raise Error(f"{self._name} cannot be changed in place; velocity and position can be set as a whole, "
+                    "now.velocity = values")
 
     def __len__(self):
         return len(self._now())
@@ -156,7 +157,7 @@ class Simulation:
             self._call("IsphCreate", text.encode(), ctypes.c_int(comm.py2f() if comm else -1), ctypes.byref(self._run))
             OPEN[0] = weakref.ref(self)
             self._call("IsphSetUp", self._run)
-            self.fields, self.columns = self._names("IsphFieldName"), self._names("IsphColumnName")
+            self.columns, self.fields = self._names("IsphColumnName"), self._names("IsphFieldName")
         except BaseException:
             self.__del__()  # else this process could have no other run
             raise
@@ -226,13 +227,16 @@ class Simulation:
         """Gives the liquid other positions (m) or velocities (m/s), [n][3] in the order of the field, before the next
         step; 'now.velocity = values' is the same. Rows of walls are not read. Arrays of fields end."""
         values = np.ascontiguousarray(values, float)
-        if values.shape != self.position.shape:
+        if name in ("position", "velocity") and values.shape != self.position.shape:
             raise Error(f"{name} has the shape {self.position.shape}, not {values.shape}")
         self._change("IsphSetField", self._run, name.encode(), values.ctypes.data_as(ctypes.c_void_p))
 
     def __setattr__(self, name, value):
-        if name in self.__dict__.get("fields", ()):
+        known = self.__dict__.get("fields", ())
+        if name in known:
             self.set(name, value)
+        elif known and not name.startswith("_") and name not in self.__dict__:
+            raise AttributeError(f"this run has no {name} to be set; it has {', '.join(known)}")
         else:
             super().__setattr__(name, value)
 
