@@ -5,22 +5,22 @@
    that a balanced pressure (pressure/balance.c) has no viscosity of its own. So what the velocity of such a row differs
    from the linear flow around it decays,
 
-     v_a += (1 - exp(-RATE W dt)) sum_b K_ab (v_b - v_a - G_a (r_b - r_a))/sum_b K_ab,
-     W = w sqrt(f/s) + u sqrt(sigma/(rho s^3)),
+     v_a += (1 - exp(-RATE w sqrt(f/s) dt)) sum_b K_ab (v_b - v_a - G_a (r_b - r_a))/sum_b K_ab,
 
    w the share of the body force f that is carried, s the spacing, G the velocity gradient, b the liquid around. Shear
    and waves of ten spacings and more are linear there. A tank at rest moves with 0.0010 in place of 0.0025 sqrt(gH)
    after a minute, and a layer that shears keeps the slope of its velocity.
 
-   u is 1 for rings within the support of the kernel of the axis, else 0. Such a ring and its image are one particle:
-   the errors of both add up, and what is small across the axis is large along it. Without u the poles of a drop at rest
-   tremble forever, and those of a bubble that swings, where rows are stretched, come apart within two periods.
-
    Under a surface that hangs, waves shorter than the kernel of the curvature are unstable (Rayleigh and Taylor): the
    tension that holds them in the world is smoothed away. They grow within 1/sqrt(f/s), until the surface is a row of
    drops of one particle, and the contact lines of a hanging drop creep. There what the lack of a row differs from the
    mean around it, in proportion to the fourth power of a wave's number, decays as well, with HANGING sqrt(f/s) times
-   the cosine between f and the outward normal. */
+   the cosine between f and the outward normal.
+
+   So does that of rings within the support of the kernel of the axis, with sqrt(sigma/(rho s^3)). Such a ring and its
+   image are one particle: the errors of both add up, and what is small across the axis is large along it. The poles of
+   a drop at rest trembled forever, and those of a bubble that swings came apart within two periods. A third of RATE of
+   the lack itself leaves two of eight bubbles so; RATE holds them, but a jet on the axis is 3 % late. */
 #include "stepper_impl.h"
 
 /* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1. */
@@ -51,27 +51,32 @@ static void LinearLack(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal l
   for (PetscInt d = 0; d < DIM; d++) lack[d] = weight > 0 ? (lack[d] - Dot(G + DIM * d, along)) / weight : 0;
 }
 
-/* u sqrt(sigma/(rho s^3)) of particle a, 1/s. */
+/* Whether tension acts on the axis of rings. */
+static PetscBool HasAxis(Stepper stepper)
+{
+  return (PetscBool)(stepper->cloud->domain->rings && TensionOnSurface(stepper->tension));
+}
+
+/* sqrt(sigma/(rho s^3)) (1/s) of a ring at the axis, else 0. */
 static PetscReal AtAxis(Stepper stepper, PetscInt a)
 {
   const Cloud     cloud = stepper->cloud;
   const PetscReal s     = cloud->size[a] * cloud->domain->spacing,
                   sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 
-  if (!cloud->domain->rings || !TensionOnSurface(stepper->tension) ||
-      cloud->field[FIELD_POSITION][DIM * a] > cloud->size[a] * KernelSupport(cloud->kernel))
+  if (!HasAxis(stepper) || cloud->field[FIELD_POSITION][DIM * a] > cloud->size[a] * KernelSupport(cloud->kernel))
     return 0;
   return PetscSqrtReal(sigma / (cloud->rest_density[a] * s * s * s));
 }
 
-/* Whether the row of particle a is calmed. */
+/* Whether the row of particle a may be calmed. */
 static PetscBool IsCalmed(Stepper stepper, PetscInt a)
 {
   const Cloud cloud = stepper->cloud;
 
-  return (PetscBool)(PressureCloses(stepper->pressure, a) && !CloudPushes(cloud, a) &&
-                     cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA &&
-                     (PressureShare(stepper->pressure, a) > 0 || AtAxis(stepper, a) > 0));
+  return (PetscBool)((PressureShare(stepper->pressure, a) > 0 || HasAxis(stepper)) &&
+                     PressureCloses(stepper->pressure, a) && !CloudPushes(cloud, a) &&
+                     cloud->field[FIELD_LAMBDA][a] > SPRAY_LAMBDA);
 }
 
 /* How far a surface hangs: the cosine between its outward normal and the force f, 0 if it does not. */
@@ -103,7 +108,7 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
   PetscReal  *v     = cloud->field[FIELD_VELOCITY_NEW], *lack;
 
   PetscFunctionBegin;
-  if (!PressureCarries(stepper->pressure) && !cloud->domain->rings) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!PressureCarries(stepper->pressure) && !HasAxis(stepper)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CloudGetWork(cloud, DIM, &lack));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_NEW));
   PetscCall(PetscArrayzero(lack, DIM * cloud->n_total));
@@ -111,15 +116,15 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
     if (IsCalmed(stepper, a)) LinearLack(cloud, a, v, lack + DIM * a);
   PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, lack));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
-    PetscReal g[DIM], rough[DIM], rate, share, hangs;
+    PetscReal g[DIM], rough[DIM], rate, share, quick;
 
     if (!IsCalmed(stepper, a)) continue;
     SceneAcceleration(cloud->scene, cloud->field[FIELD_POSITION] + DIM * a, g);
     rate  = PressureShare(stepper->pressure, a) * PetscSqrtReal(Norm(g) / (cloud->size[a] * cloud->domain->spacing));
-    share = 1 - PetscExpReal(-RATE * (rate + AtAxis(stepper, a)) * dt);
-    hangs = PetscMin(AT_ONCE, 1 - PetscExpReal(-HANGING * rate * Hangs(cloud, a, g) * dt));
-    if (hangs > 0) Rough(cloud, a, lack, rough);
-    for (PetscInt d = 0; d < DIM; d++) v[DIM * a + d] += share * lack[DIM * a + d] + (hangs > 0 ? hangs * rough[d] : 0);
+    share = 1 - PetscExpReal(-RATE * rate * dt);
+    quick = PetscMin(AT_ONCE, 1 - PetscExpReal(-(HANGING * rate * Hangs(cloud, a, g) + AtAxis(stepper, a)) * dt));
+    if (quick > 0) Rough(cloud, a, lack, rough);
+    for (PetscInt d = 0; d < DIM; d++) v[DIM * a + d] += share * lack[DIM * a + d] + (quick > 0 ? quick * rough[d] : 0);
   }
   PetscCall(CloudRestoreWork(cloud, &lack));
   PetscFunctionReturn(PETSC_SUCCESS);
