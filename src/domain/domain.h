@@ -187,6 +187,11 @@ static inline PetscReal DomainRingLength(Domain domain, const PetscReal x[DIM], 
   return domain->rings ? 2 * PETSC_PI * (r < half ? 0.5 * (r + half) : r) : 1;
 }
 
+/* DomainNearAxis - whether there are rings, and r (m) is at most 'reach' from their axis. Not collective. */
+static inline PetscBool DomainNearAxis(Domain domain, PetscReal r, PetscReal reach)
+{
+  return (PetscBool)(domain->rings && r <= reach);
+}
 /* DomainLengthening - the rate (1/s) at which the ring at x (m) gets longer with the velocity v (m/s), over its length;
    0 without rings. Not collective. */
 static inline PetscReal DomainLengthening(Domain domain, const PetscReal x[DIM], const PetscReal v[DIM])

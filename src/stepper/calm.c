@@ -54,7 +54,7 @@ static void LinearLack(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal l
 /* Whether tension acts on the axis of rings. */
 static PetscBool HasAxis(Stepper stepper)
 {
-  return (PetscBool)(stepper->cloud->domain->rings && TensionOnSurface(stepper->tension));
+  return (PetscBool)(DomainNearAxis(stepper->cloud->domain, 0, 0) && TensionOnSurface(stepper->tension));
 }
 
 /* sqrt(sigma/(rho s^3)) (1/s) of a ring at the axis, else 0. */
@@ -64,7 +64,8 @@ static PetscReal AtAxis(Stepper stepper, PetscInt a)
   const PetscReal s     = cloud->size[a] * cloud->domain->spacing,
                   sigma = BodyMaterial(SceneBody(cloud->scene, cloud->integer[INT_BODY][a]))->tension;
 
-  if (!HasAxis(stepper) || cloud->field[FIELD_POSITION][DIM * a] > cloud->size[a] * KernelSupport(cloud->kernel))
+  if (!HasAxis(stepper) || !DomainNearAxis(cloud->domain, cloud->field[FIELD_POSITION][DIM * a],
+                                           cloud->size[a] * KernelSupport(cloud->kernel)))
     return 0;
   return PetscSqrtReal(sigma / (cloud->rest_density[a] * s * s * s));
 }
