@@ -11,7 +11,6 @@ A part is a tenth of the scenes, a number, or a quarter of the tenth that the da
 where, of the last runs."""
 import argparse
 import collections
-import fcntl
 import functools
 import itertools
 import json
@@ -27,6 +26,7 @@ import dates  # noqa: E402
 import kept  # noqa: E402
 import numpy as np  # noqa: E402
 import random_scenes  # noqa: E402
+import record  # noqa: E402
 import runs  # noqa: E402
 import said  # noqa: E402
 from scene import CORNERS, Scene, Unfit, coarse, files, mapped, read, reduce, scaled  # noqa: E402
@@ -52,22 +52,8 @@ SAME_PLACE = 1e-6              # spacings: a start that differs by more has anot
 REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie in a region of -fine|"
                      r"too small for the kernel|covered by a solid).*)", re.S)
 NUMBERS = itertools.count()  # of folders
-WRONG = "wrong: "  # before a fate
-# What is wrong and not cured, {(scene, relation): why}: it must still be wrong in its scene, or its row goes.
-RISES = ("liquid at rest rises by 0.05 % of its depth while the rows of its surface settle, "
-         "more than a few coarse steps exchange")
-KNOWN = {("sloshing/case", "books"): RISES, ("boat_at_wall/case", "books"): RISES,
-         ("vessel/10", "books"): "80 J are lost, 12 times the energy exchanged, in some coarse steps",
-         ("stirred_tank/case", "books"): "a paddle of 1.2 spacings pushes as both of its sides together",
-         ("breathing_bubble/deep", "books"): "the work of gas in a bubble of 3.6 spacings is a fifth too small",
-         ("contact_angle/ball", "books"): "a drop on a ball gains 0.14 % of its surface energy as its edge settles",
-         ("channel/10", "books"): "syrup between a plate and a floor that slide, in steps of a twentieth of their way",
-         **{(f"random/{k}", "books"): "strained graded rings gain 0.3 to 3 % of their kinetic energy"
-            for k in (17, 50, 151)},
-         ("rising_bubble/rings", "books"): "a bubble of five spacings gains twice the energy exchanged at its start"}
 # of a step, which a run has left for its last one; of the change in two whole steps, and of the largest speed
 SHORT, MORE, KICK = 0.01, 3, 3e-4
-OUTPUT = os.path.join(runs.ROOT, "output", "tests", "relations.json")
 
 
 class Run:
@@ -653,43 +639,23 @@ def judge(name, make, relations):
             continue
         except RuntimeError as error:
             wrong = str(error)
-        if (name, relation) in KNOWN:
+        if (name, relation) in record.KNOWN:
             runs.check(bool(wrong), f"{name} {relation} is known to be wrong", "it holds now: its row goes")
         else:
             runs.check(not wrong, f"{name} {relation}", wrong)
-        fates[relation] = f"{WRONG}{wrong}" if wrong else ""
+        fates[relation] = f"{record.WRONG}{wrong}" if wrong else ""
     shutil.rmtree(trial.folder, ignore_errors=True)
     return fates
 
 
-def known():
-    """{scene: {relation: fate}} of the last runs."""
-    try:
-        with open(OUTPUT, encoding="utf-8") as file:
-            return json.load(file)
-    except OSError:
-        return {}
-
-
-def keep(name, fates):
-    """Adds to the fates of a scene; several parts may run at a time."""
-    os.makedirs(os.path.dirname(OUTPUT), exist_ok=True)
-    with open(OUTPUT + ".lock", "w", encoding="utf-8") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        table = known()
-        table.setdefault(name, {}).update(fates)
-        with open(OUTPUT, "w", encoding="utf-8") as file:
-            json.dump(table, file, indent=1)
-
-
 def show():
     """For each relation: in how many scenes it holds and is wrong, and why it does not apply to the others."""
-    table = known()
+    table = record.last()
     for relation in RELATIONS:
         fates = [(name, own[relation]) for name, own in table.items() if relation in own]
-        wrong = [name for name, fate in fates if fate.startswith(WRONG)]
+        wrong = [name for name, fate in fates if fate.startswith(record.WRONG)]
         print(f"{relation}: holds in {sum(not fate for _, fate in fates)} scenes, is wrong in {len(wrong)} {wrong}")
-        why = collections.Counter(fate for _, fate in fates if fate and not fate.startswith(WRONG))
+        why = collections.Counter(fate for _, fate in fates if fate and not fate.startswith(record.WRONG))
         for reason, count in why.most_common():
             print(f"    {count:4}  {reason[:150]}")
 
@@ -710,7 +676,7 @@ def main():
     for name, make in scenes(arguments.first).items():
         if arguments.part and not of_part(name, parts[0]) or words and not any(word in name for word in words):
             continue
-        keep(name, judge(name, make, chosen))
+        record.keep(name, judge(name, make, chosen))
     return runs.done()
 
 
