@@ -28,6 +28,7 @@ static PetscErrorCode Hold(const Step *step)
   Cloud cloud = step->cloud;
 
   PetscFunctionBegin;
+  ((Emissions *)step->own)->held = PETSC_TRUE;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscReal v[DIM];
 
@@ -151,7 +152,8 @@ static PetscErrorCode Kick(const Step *step)
 
   PetscFunctionBegin;
   if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(ContinuePressure(step));
+  if (emissions->held) PetscCall(ContinuePressure(step));
+  emissions->held = PETSC_FALSE;
   PetscCall(CloudGetWork(cloud, DIM, &force));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
   for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {

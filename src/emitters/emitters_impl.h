@@ -44,6 +44,7 @@ typedef struct {
   Emission  of[SCENE_MAX_BODIES];
   PetscBool full;            /* liquid has no way out */
   PetscBool frozen;          /* the packing relaxes */
+  PetscBool held;            /* in this step implicit viscosity holds what pushes: the former pressure acts */
   PetscBool half;            /* the sums of the step are in its middle, not at its start */
   PetscInt *pushing;         /* [capacity], see Cloud */
   Pushed   *pushed;          /* [count] */
