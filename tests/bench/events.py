@@ -46,7 +46,8 @@ def measure(folder, scene):
 
 def stored():
     """{(scene, event): figure}"""
-    return {(row["scene"], row["event"]): row["figure"] for row in report.load(STORED)} if os.path.exists(STORED) else {}
+    rows = report.load(STORED) if os.path.exists(STORED) else []
+    return {(row["scene"], row["event"]): row["figure"] for row in rows}
 
 
 def text(rows, known):
