@@ -71,7 +71,7 @@ def check(folder):
     rate, damping, residual = fit(t, a, exact(k), physics.rings(head))
     if "-gravity_amplitude" in physics.options(head):
         return resonance(damping, physics.options(head))
-    return [physics.relative("period", 2 * np.pi / rate, 2 * np.pi / exact(k), 0.01 if physics.rings(head) else 0.006, "s"),
+    return [physics.relative("period", 2 * np.pi / rate, 2 * np.pi / exact(k), 0.01, "s"),
             physics.shown("effective viscosity", damping / (2 * k**2), 1e-6, "m2/s"),
             physics.shown("amplitude lost in a period, share", 1 - np.exp(-damping * 2 * np.pi / rate)),
             physics.at_most("deviation from the fitted wave, rms over the amplitude", residual, 0.05),

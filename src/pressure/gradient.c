@@ -7,9 +7,6 @@
 #include "pressure_impl.h"
 
 #define PAIRING 0.1 /* the term against pairing over the background pressure: see GradientCorrected */
-/* largest MissingFactor: of a particle a quarter of a spacing deep; 2.5 and 8 change the period of a wave by less than
-   0.02 % */
-#define MISSING_MOST 4.0
 
 /* -sum c (r_a - r_b) over the row of a. c is padded to a multiple of SIMD_WIDTH, as the row's factors are. */
 static void SumAlong(Cloud cloud, PetscInt a, const PairRow *row, const PetscReal c[], PetscReal out[DIM])
@@ -45,6 +42,7 @@ void PressureSlopeAcceleration(Pressure pressure, PetscInt a, const PetscReal sl
   for (PetscInt d = 0; d < DIM; d++) out[d] = 0;
   if (!(symmetric || pressure->cloud->integer[INT_SURFACE][a]) || Dot(slope, slope) == 0) return;
   AddSlope(pressure, a, slope, out);
+  for (PetscInt d = 0; d < DIM && !symmetric; d++) out[d] /= SurfaceSlope(pressure, a);
 }
 
 /* Eq. (9) for one row; scale: see RowScale. Without summed densities -sum_b V (p_a + p_b) grad W/rho_a, which is the
@@ -103,42 +101,20 @@ PetscErrorCode GradientSymmetric(Pressure pressure, PetscReal acceleration[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factor of p_a - P in a row near the surface, for the neighbours that it misses: 2 in Eq. (9), as if they had
-   2 P - p_a. Where liquid is carried what remains is linear beyond a wave's surface, and Eq. (9) has 0.95 and 1.05 of
-   its slope in the first two layers of a lattice: a wave of 50 spacings was 0.75 % too fast, with steps of 3 ms 0.4 %.
-   There the factor is how far the missing neighbours lie beyond a, (1 - M)/|n| in the mean, over a's depth, with which
-   the row is exact; M is B^-1 along n = sum V grad W. The wave is 0.4 % too fast, with steps of 3 ms 0.3 %. The same in
-   the closure, too: 0.25 %, but a dam break plunges 0.01 s late and encloses 11 % less air. */
-static PetscReal MissingFactor(Pressure pressure, PetscInt a)
-{
-  const Cloud      cloud = pressure->cloud;
-  const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, share = ShareOf(pressure, a), size = Norm(n);
-  PetscReal        M[6], Mn[DIM], distance, depth;
-
-  if (share == 0 || size == 0 || cloud->field[FIELD_LAMBDA][a] <= MOMENT_MINIMUM) return 2;
-  SymmetricInverse(cloud->domain->dim, cloud->field[FIELD_CORRECTION] + 6 * a, M);
-  TensorApply(M, n[0], n[1], n[2], Mn);
-  distance = (1 - Dot(n, Mn) / (size * size)) / size;
-  depth    = PressureDepth(pressure, a);
-  return 2 + share * ((distance < MISSING_MOST * depth ? PetscMax(1, distance / depth) : MISSING_MOST) - 2);
-}
-
 /* For one row of the corrected gradient, inside -B_a sum V D grad W, D the pressure's difference that is not carried,
-   p_b - p_a - T_ab.(y_b - y_a), and near the surface -sum V (2 (p_a - P) + D) grad W, P the pressure outside, 2 being
-   MissingFactor. */
+   p_b - p_a - T_ab.(y_b - y_a), and near the surface -sum V (2 (p_a - P) + D) grad W, P the pressure outside. */
 static void CorrectedRow(Pressure pressure, PetscInt a, const PairRow *restrict row, PetscBool mean, PetscReal scale,
                          PetscReal out[DIM])
 {
   const Cloud      cloud   = pressure->cloud;
   const PetscBool  surface = (PetscBool)(cloud->integer[INT_SURFACE][a] != 0);
   const PetscReal *x = cloud->field[FIELD_POSITION], *p = cloud->field[FIELD_PRESSURE], *rho = cloud->rest_density;
-  const Simd       rise   = SimdSet((surface ? MissingFactor(pressure, a) * (p[a] - pressure->outside[a]) : 0) - p[a]),
-             zero         = SimdSet(0);
-  const Simd3   place     = Simd3Set(x + DIM * a);
-  const Balance balance   = pressure->balances ? BalanceOf(pressure, a) : (Balance){{zero, zero, zero}};
-  Simd3         along     = {zero, zero, zero};
-  PetscReal     jump[DIM] = {0, 0, 0};
-  Vec4          sum;
+  const Simd       rise = SimdSet((surface ? 2 * (p[a] - pressure->outside[a]) : 0) - p[a]), zero = SimdSet(0);
+  const Simd3      place     = Simd3Set(x + DIM * a);
+  const Balance    balance   = pressure->balances ? BalanceOf(pressure, a) : (Balance){{zero, zero, zero}};
+  Simd3            along     = {zero, zero, zero};
+  PetscReal        jump[DIM] = {0, 0, 0};
+  Vec4             sum;
 
   for (PetscInt k = 0; k < row->n; k += SIMD_WIDTH) {
     const PetscInt   *b  = row->index + k;
@@ -197,6 +173,7 @@ PetscErrorCode GradientCorrected(Pressure pressure, PetscReal acceleration[])
 
       for (PetscInt d = 0; d < DIM; d++) out[d] /= density[a];
       if (Dot(slope, slope) > 0) AddSlope(pressure, a, slope, out);
+      for (PetscInt d = 0; d < DIM; d++) out[d] /= SurfaceSlope(pressure, a);
     } else {
       const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, *crowding = cloud->field[FIELD_CROWDING] + DIM * a,
                       background = cloud->size[a] * factor * Norm(out);

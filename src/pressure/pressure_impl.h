@@ -68,10 +68,12 @@ struct _p_Pressure {
   PetscReal surface_plane;                       /* |sum V grad W| on the plane surface of a half space, 1/m */
   PetscReal surface_fraction[SURFACE_TABLE + 1]; /* sum V W over its value inside, by |sum V grad W|/surface_plane */
 
-  /* of the first layer of a lattice below a flat surface: see surface_lattice.c */
-  PetscReal layer_share;   /* the share of the error that is corrected, 1 */
-  PetscReal layer_normal;  /* |sum V grad W| times the spacing, 1 */
-  PetscReal layer_density; /* filled fraction less the table's value, 1 */
+  /* Sums at the first two layers of a lattice below a flat surface, which correct the gradient and the density of
+     surface rows: see surface_lattice.c */
+  PetscReal layer_share;     /* the share of the error that is corrected, 1 */
+  PetscReal layer_normal[2]; /* |sum V grad W| times the spacing, 1 */
+  PetscReal layer_slope[2];  /* gradient by Eq. (9) of a hydrostatic pressure of slope 1 */
+  PetscReal layer_density;   /* filled fraction of the first layer less the table's value, 1 */
 
   /* of the closure */
   PetscBool wall_suction;     /* walls may pull by the density source */
@@ -259,9 +261,11 @@ PetscErrorCode SetConvergence(Pressure pressure);
    density_left, too. Collective. */
 PetscErrorCode ResidualMeasure(void *context, Vec r, SolverReport *report, PetscReal *rounding);
 
-/* SurfaceLattice - sets layer_share, layer_normal and layer_density. SurfaceDensity - the correction to add to the
-   filled fraction of particle a on or near the surface. Not collective. */
-void      SurfaceLattice(Pressure pressure);
+/* SurfaceLattice - sets layer_share, layer_normal, layer_slope and layer_density. Not collective. */
+void SurfaceLattice(Pressure pressure);
+/* SurfaceSlope - the factor by which Eq. (9) is too large in the row of particle a on or near the surface.
+   SurfaceDensity - the correction to add to its filled fraction. Not collective. */
+PetscReal SurfaceSlope(Pressure pressure, PetscInt a);
 PetscReal SurfaceDensity(Pressure pressure, PetscInt a);
 
 PetscErrorCode SourceDensity(Pressure, PetscReal, PetscReal[]);

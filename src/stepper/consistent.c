@@ -9,7 +9,7 @@
 #include "consistent.h"
 
 /* Of centered steps, over sqrt(h/|g|). What moves in a tank at rest does not depend on it from 0.06 to 0.4; with 0.4 in
-   place of 0.25 a wave of 50 spacings is 0.6 in place of 0.3 % too fast. */
+   place of 0.25 a wave of 100 spacings is 0.7 in place of 0.5 % too fast. */
 #define FORCE_LIMIT      0.25
 #define FORCE_LIMIT_RAW  0.06 /* where no force is balanced: what moves in a film at rest grows in proportion */
 #define RELAXATION_RATIO 5    /* time in which density errors are corrected, over h/U of the scene */

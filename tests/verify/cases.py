@@ -180,7 +180,7 @@ ENTRIES += [Entry("dam_break", "collapse", REGULAR, TEST, spacings=(5.715e-3, 2.
             Entry("dam_break", "collapse, 3-d", REGULAR, file="case_3d.opts"),
             Entry("dam_break", "impact", REGULAR, file="impact.opts", spacings=(0.03, 0.015, 0.0075)),
             Entry("dam_break", "impact, 3-d", REGULAR, LONG, file="impact_3d.opts"),
-            Entry("dam_break", "trapped air", packings=5, file="trapped.opts")]
+            Entry("dam_break", "trapped air", REGULAR, file="trapped.opts")]
 
 # surface tension: with the default model, the paper's (calibrated for the program; as printed), and the whole scheme
 # as printed
