@@ -128,7 +128,7 @@ PetscReal OperatorsSurfaceArea(Cloud cloud, PetscInt a, PetscReal kappa)
   const PetscReal *n = cloud->field[FIELD_NORMAL] + DIM * a, size = Norm(n);
 
   if (!cloud->integer[INT_SURFACE][a] || size == 0) return 0;
-  if (cloud->domain->rings && kappa != 0) kappa -= n[0] / (size * cloud->field[FIELD_POSITION][DIM * a]);
+  if (kappa != 0) kappa -= DomainLengthening(cloud->domain, cloud->field[FIELD_POSITION] + DIM * a, n) / size;
   return 2 * cloud->volume[a] * size * (1 + kappa * KernelPlaneMoment(cloud->kernel) * cloud->size[a]);
 }
 
