@@ -454,7 +454,8 @@ PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, PetscBool *turned)
+PetscErrorCode OutputRestart(Output output, const char file[], const char disturbance[], StepState *state,
+                             PetscBool *turned)
 {
   Head        head;
   FileVerdict verdict = FILE_MISSING;
@@ -477,6 +478,11 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state,
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, *turned, verdict));
+  PetscCheckUser(
+    *turned || !disturbance[0], output->comm,
+    "-restart_disturbance is for rings that become particles in space; the checkpoint %s is none of rings, "
+    "or the scene not in space",
+    file);
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(*turned ? RestartRingsCheck(output, file, texts->scene, &h5)
                     : RestartSceneCheck(output, file, texts->scene));
@@ -491,7 +497,7 @@ PetscErrorCode OutputRestart(Output output, const char file[], StepState *state,
   PetscCheckUser(good && !failed, output->comm,
                  "The checkpoint %s is truncated or damaged; restart from the one before it.", file);
   if (*turned) {
-    PetscCall(RestartTurn(output, file));
+    PetscCall(RestartTurn(output, file, disturbance));
     state->time = head.state.time;
     GaugesSetLevel(output->gauges, head.level);
   } else {

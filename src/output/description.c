@@ -8,6 +8,7 @@
 
 /* Options of one start of the program, not of the run. */
 static const char *const transient[] = {"-restart",
+                                        "-restart_disturbance",
                                         "-output_dir",
                                         "-output_overwrite",
                                         "-options_file",

@@ -63,8 +63,9 @@ PetscErrorCode OutputNewest(Output output, char path[PETSC_MAX_PATH_LEN]);
    file that is missing, truncated, damaged or no checkpoint, a checkpoint of another scene, numbers that no run leaves,
    and data outside the file. Writes nothing. Call OutputSetUp and CloudResync afterwards. turned: the checkpoint is of
    rings, and the scene in space; then the swarm has liquid alone, the state the time, and PackingRun follows.
-   Collective. */
-PetscErrorCode OutputRestart(Output output, const char file[], StepState *state, PetscBool *turned);
+   disturbance: -restart_disturbance, for such a checkpoint alone, or empty. Collective. */
+PetscErrorCode OutputRestart(Output output, const char file[], const char disturbance[], StepState *state,
+                             PetscBool *turned);
 /* OutputEachColumn - calls visit(context, file, column, words) for each column of series.csv and of the tables of
    gauges that this run writes ("series.csv", "droplets.csv", ...), in their order, and for each field of its snapshots
    (file "snapshot"); words: those of GaugesColumnWords. Every gauge must know its options and forces. Not collective.

@@ -143,7 +143,7 @@ PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 PetscBool      RestartTurns(Output output, const char stored[]);
 PetscErrorCode RestartRingsCheck(Output output, const char file[], const char stored[], H5File *h5);
 void           RestartFillIn(FieldId f, const ParticleArrays *rows);
-PetscErrorCode RestartTurn(Output output, const char file[]);
+PetscErrorCode RestartTurn(Output output, const char file[], const char disturbance[]);
 
 /* --- restart_check.c --- */
 /* RestartCheckParticles - refuses (UserError) particles that no run leaves in a checkpoint: numbers that are not

@@ -213,14 +213,33 @@ static PetscInt TurnAll(Domain domain, PetscInt n, const ParticleArrays *rows, P
   return made;
 }
 
-PetscErrorCode RestartTurn(Output output, const char file[])
+/* Scales the velocities of rows from 'first' on, all of which point away from the axis or along it. *bad: the last row
+   where the formula is no number. */
+static void Disturb(const Formula *disturbance, const ParticleArrays *rows, PetscInt first, PetscInt *bad)
+{
+  for (PetscInt a = first; a < rows->n; a++) {
+    const PetscReal *x     = rows->real[FIELD_POSITION] + DIM * a;
+    const PetscReal  at[]  = {PetscSqrtReal(x[0] * x[0] + x[1] * x[1]), x[2], PetscAtan2Real(x[1], x[0])};
+    const PetscReal  share = FormulaValue(disturbance, at);
+
+    if (PetscIsInfOrNanReal(share)) *bad = a;
+    for (PetscInt d = 0; d < 2; d++) rows->real[FIELD_VELOCITY][DIM * a + d] *= 1 + share;
+  }
+}
+
+PetscErrorCode RestartTurn(Output output, const char file[], const char disturbance[])
 {
   const Cloud    cloud = output->cloud;
   ParticleArrays rows;
   PetscInt       made, n, bad = -1;
   PetscBool     *keep;
+  Formula        share;
+  const char    *text = disturbance;
 
   PetscFunctionBegin;
+  PetscCheckUser(!*text || (FormulaRead(&text, "rza", &share) && !*text), output->comm,
+                 "-restart_disturbance \"%s\" is not one formula of r, z and a that can be read, from \"%s\" on",
+                 disturbance, text);
   PetscCall(ParticlesOpen(cloud->particles, &rows));
   n = rows.n;
   PetscCall(Coarsen(cloud, &rows, &bad));
@@ -235,6 +254,7 @@ PetscErrorCode RestartTurn(Output output, const char file[])
   PetscCall(ParticlesAppend(cloud->particles, made));
   PetscCall(ParticlesOpen(cloud->particles, &rows));
   (void)TurnAll(cloud->domain, n, &rows, PETSC_FALSE);
+  if (*disturbance) Disturb(&share, &rows, n, &bad);
   PetscCall(PetscMalloc1(rows.n, &keep));
   for (PetscInt a = 0; a < rows.n; a++) {
     keep[a]                 = (PetscBool)(a >= n);
@@ -243,5 +263,7 @@ PetscErrorCode RestartTurn(Output output, const char file[])
   PetscCall(ParticlesClose(cloud->particles, &rows));
   PetscCall(ParticlesRemove(cloud->particles, keep));
   PetscCall(PetscFree(keep));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT, MPI_MAX, output->comm));
+  PetscCheckUser(bad < 0, output->comm, "-restart_disturbance is no number at some of the particles");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

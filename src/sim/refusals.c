@@ -79,6 +79,7 @@ static const Refusal Refusals[] = {
   {POISSON, NOT_WITH, "-solids", "; use -packing_type lattice"},
   {POISSON, NOT_WITH, "-bodies_overlap", "; use -packing_type lattice"},
   {FRAME, NEEDS, CONSISTENT, ", the default"},
+  {"-restart_disturbance", NEEDS_GIVEN, "-restart", ": it disturbs rings that become particles in space"},
   {.one = NULL},
 };
 

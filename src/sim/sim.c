@@ -45,6 +45,12 @@ static const OptionRow options[] = {
    "listed; spacing, box, kernel, solids and bodies must be the same, but for their viscosity; a scene in space with "
    "-spacing_follow begins from rings, too: they are turned about the axis x = y = 0",
    NULL, NULL, ROW_TEXT, offsetof(struct _p_Sim, restart)},
+  {"-restart_disturbance",
+   "Disturbance of rings that become particles in space, from which fingers grow: the share that the velocity away "
+   "from "
+   "the axis gains, a formula of r and z in m and the angle a from x (-pi to pi): 0.05*cos(12*a); even modes in a "
+   "quarter; see -help formula",
+   "1", NULL, ROW_TEXT, offsetof(struct _p_Sim, disturbance), .fallback = "none"},
   {"-progress_interval", "Wall-clock time between progress lines; 0: none but the summary at the end", "s", "[0, inf)",
    ROW_REAL, offsetof(struct _p_Sim, progress_interval)},
   {"-wall_clock_limit",
@@ -229,7 +235,7 @@ PetscErrorCode SimSetUp(Sim sim)
   PetscCall(ProgressWork(sim->comm, -1, restarting ? "the checkpoint is read" : "particles are made"));
   if (restarting) {
     PetscCall(OutputNewest(sim->output, sim->restart));
-    PetscCall(OutputRestart(sim->output, sim->restart, &sim->state, &turned));
+    PetscCall(OutputRestart(sim->output, sim->restart, sim->disturbance, &sim->state, &turned));
     PetscCheckUser(sim->time_end > sim->state.time, sim->comm,
                    "the checkpoint %s is at %g s, not before -time_end %g s", sim->restart, (double)sim->state.time,
                    (double)sim->time_end);

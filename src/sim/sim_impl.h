@@ -56,7 +56,7 @@ struct _p_Sim {
   char          dump[PETSC_MAX_PATH_LEN], list[PETSC_MAX_PATH_LEN]; /* files of options; empty: none */
   char          scene_json[PETSC_MAX_PATH_LEN];
   char          word[PETSC_MAX_PATH_LEN]; /* of the options to print; empty: none */
-  char          restart[PETSC_MAX_PATH_LEN];
+  char          restart[PETSC_MAX_PATH_LEN], disturbance[PETSC_MAX_PATH_LEN];
   char          measure[PETSC_MAX_PATH_LEN]; /* the folder of a run that is done; empty: none */
 };
 

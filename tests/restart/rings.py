@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """A scene in space begins from rings: they become particles with their volume, momentum, energy and what they carry,
-on any number of ranks; rings that are not of the scene are refused."""
+on any number of ranks, with a disturbance if one is named; rings that are not of the scene are refused."""
 import os
 import sys
 
@@ -40,6 +40,15 @@ def sums(path, share, inside):
     return np.array([value[r < inside].sum() for value in values]), volume[r < inside].sum()
 
 
+def modes(path):
+    """Amplitudes of the velocity away from the axis beyond 2 mm, around the axis, over its mean: even modes to 16."""
+    data = runs.fields(path)
+    x, v = data["position"], data["velocity"]
+    r, angle = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0])
+    out = data["volume"] * (v[:, 0] * x[:, 0] + v[:, 1] * x[:, 1]) / r * (r > 2e-3)
+    return {m: 2 * (out * np.cos(m * angle)).sum() / out.sum() for m in range(2, 17, 2)}
+
+
 def main():
     rings = runs.run(RINGS, "rings")
     last = runs.numbered(rings, "snapshot")[-1]
@@ -56,7 +65,12 @@ def main():
     other = runs.fields(runs.numbered(two, "snapshot")[0])
     runs.check(not {"velocity", "volume", "body"} & set(runs.unlike(one, other)), "two_ranks")
     runs.check_below(abs(one["position"] - other["position"]).max(), 1e-3 * 0.5e-3, "two_ranks_places")
+    fingers = runs.run(QUARTER + f"-steps_max 1 -restart_disturbance 0.2*cos(8*a) -restart {rings}", "fingers")
+    for mode, amplitude in modes(runs.numbered(fingers, "snapshot")[0]).items():
+        runs.check_below(abs(amplitude - 0.2 * (mode == 8)), 0.01, f"disturbance_mode_{mode}")
     for name, options, why in (
+            ("disturbance", QUARTER + "-restart_disturbance 0.2*cos(8*phi) ", "from \"phi"),
+            ("disturbance_no_number", QUARTER + "-restart_disturbance log(0-r) ", "no number at some"),
             ("spacing", QUARTER.replace("-spacing_follow surface", "-fine core -core_upper 9e-3,9e-3,9e-3"),
              "needs -spacing_follow"),
             ("density", QUARTER.replace("-drop_density 1100", "-drop_density 1000"),
@@ -66,6 +80,10 @@ def main():
         process = runs.start(options + f"-restart {rings} -output_dir " + runs.scratch(name))
         runs.check(process.returncode != 0 and why in process.stderr and process.stderr.count("\n") == 1,
                    name + "_refused", process.stderr)
+    process = runs.start(QUARTER + "-restart_disturbance 0.1 -output_dir " + runs.scratch("no_restart"))
+    runs.check("needs -restart" in process.stderr, "disturbance_of_nothing_refused", process.stderr)
+    process = runs.start(f"{QUARTER} -restart_disturbance 0.1 -restart {fingers} -output_dir " + runs.scratch("no_rings"))
+    runs.check("is none of rings" in process.stderr, "disturbance_of_particles_refused", process.stderr)
     runs.done()
 
 

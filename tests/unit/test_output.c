@@ -136,7 +136,7 @@ static PetscErrorCode TryRestart(const char options[], const char file[], Run *r
 
   PetscFunctionBegin;
   PetscCall(RunCreate(options, run));
-  PetscCall(OutputRestart(run->output, file, state, &turned));
+  PetscCall(OutputRestart(run->output, file, "", state, &turned));
   PetscCall(OutputSetUp(run->output, file, state));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
