@@ -480,8 +480,8 @@ PetscErrorCode OutputRestart(Output output, const char file[], const char distur
   PetscCall(HeadCheck(output, file, &head, *turned, verdict));
   PetscCheckUser(
     *turned || !disturbance[0], output->comm,
-    "-restart_disturbance is for rings that become particles in space; the checkpoint %s is none of rings, "
-    "or the scene not in space",
+    "-restart_disturbance is for rings that become particles in space: the checkpoint %s is none of rings, or the scene "
+    "is one",
     file);
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(*turned ? RestartRingsCheck(output, file, texts->scene, &h5)

@@ -139,7 +139,7 @@ PetscErrorCode RestartOptionsSay(Output output, const char stored[]);
 /* RestartTurns - whether the scene is in space and the text of RestartSceneCheck one of rings. RestartRingsCheck -
    refuses (UserError) rings of another liquid, or that do not fill the box or carry too little, and a spacing that does
    not adapt. RestartFillIn - gives n rows of rings a field that they lack. RestartTurn - makes the rings in the swarm
-   the particles of the scene. All but RestartFillIn are collective. */
+   the particles of the scene; disturbance: see OutputRestart. All but RestartFillIn are collective. */
 PetscBool      RestartTurns(Output output, const char stored[]);
 PetscErrorCode RestartRingsCheck(Output output, const char file[], const char stored[], H5File *h5);
 void           RestartFillIn(FieldId f, const ParticleArrays *rows);

@@ -41,11 +41,12 @@ def sums(path, share, inside):
 
 
 def modes(path):
-    """Amplitudes of the velocity away from the axis beyond 2 mm, around the axis, over its mean: even modes to 16."""
+    """Even modes to 16, around the axis, of the liquid's velocity away from it over the mean, 3 to 8 mm from the axis,
+    where a ring has particles for them and the box no corners."""
     data = runs.fields(path)
     x, v = data["position"], data["velocity"]
     r, angle = np.hypot(x[:, 0], x[:, 1]), np.arctan2(x[:, 1], x[:, 0])
-    out = data["volume"] * (v[:, 0] * x[:, 0] + v[:, 1] * x[:, 1]) / r * (r > 2e-3)
+    out = data["volume"] * (v[:, 0] * x[:, 0] + v[:, 1] * x[:, 1]) / r * (abs(r - 5.5e-3) < 2.5e-3)
     return {m: 2 * (out * np.cos(m * angle)).sum() / out.sum() for m in range(2, 17, 2)}
 
 
@@ -67,7 +68,7 @@ def main():
     runs.check_below(abs(one["position"] - other["position"]).max(), 1e-3 * 0.5e-3, "two_ranks_places")
     fingers = runs.run(QUARTER + f"-steps_max 1 -restart_disturbance 0.2*cos(8*a) -restart {rings}", "fingers")
     for mode, amplitude in modes(runs.numbered(fingers, "snapshot")[0]).items():
-        runs.check_below(abs(amplitude - 0.2 * (mode == 8)), 0.01, f"disturbance_mode_{mode}")
+        runs.check_below(abs(amplitude - 0.2 * (mode == 8)), 0.005, f"disturbance_mode_{mode}")
     for name, options, why in (
             ("disturbance", QUARTER + "-restart_disturbance 0.2*cos(8*phi) ", "from \"phi"),
             ("disturbance_no_number", QUARTER + "-restart_disturbance log(0-r) ", "no number at some"),
@@ -82,7 +83,7 @@ def main():
                    name + "_refused", process.stderr)
     process = runs.start(QUARTER + "-restart_disturbance 0.1 -output_dir " + runs.scratch("no_restart"))
     runs.check("needs -restart" in process.stderr, "disturbance_of_nothing_refused", process.stderr)
-    process = runs.start(f"{QUARTER} -restart_disturbance 0.1 -restart {fingers} -output_dir " + runs.scratch("no_rings"))
+    process = runs.start(QUARTER + f"-restart_disturbance 0.1 -restart {fingers} -output_dir " + runs.scratch("space"))
     runs.check("is none of rings" in process.stderr, "disturbance_of_particles_refused", process.stderr)
     runs.done()
 
