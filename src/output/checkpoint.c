@@ -478,11 +478,9 @@ PetscErrorCode OutputRestart(Output output, const char file[], const char distur
   PetscCallMPI(MPI_Bcast(&verdict, sizeof(verdict), MPI_BYTE, 0, output->comm));
   PetscCallMPI(MPI_Bcast(&head, sizeof(head), MPI_BYTE, 0, output->comm));
   PetscCall(HeadCheck(output, file, &head, *turned, verdict));
-  PetscCheckUser(
-    *turned || !disturbance[0], output->comm,
-    "-restart_disturbance is for rings that become particles in space: the checkpoint %s is none of rings, or the scene "
-    "is one",
-    file);
+  PetscCheckUser(*turned || !disturbance[0], output->comm,
+                 "-restart_disturbance is for a scene in space that begins from rings, which the checkpoint %s is not",
+                 file);
   PetscCall(H5FileOpen(output->comm, file, &h5));
   PetscCall(*turned ? RestartRingsCheck(output, file, texts->scene, &h5)
                     : RestartSceneCheck(output, file, texts->scene));

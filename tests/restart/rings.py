@@ -84,7 +84,7 @@ def main():
     process = runs.start(QUARTER + "-restart_disturbance 0.1 -output_dir " + runs.scratch("no_restart"))
     runs.check("needs -restart" in process.stderr, "disturbance_of_nothing_refused", process.stderr)
     process = runs.start(QUARTER + f"-restart_disturbance 0.1 -restart {fingers} -output_dir " + runs.scratch("space"))
-    runs.check("is none of rings" in process.stderr, "disturbance_of_particles_refused", process.stderr)
+    runs.check("begins from rings" in process.stderr, "disturbance_of_particles_refused", process.stderr)
     runs.done()
 
 
