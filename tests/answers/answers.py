@@ -483,10 +483,10 @@ def packings():
                                                (9, 2, 1, 1, 3), (math.inf, 1, 1, 1, 3), (9, 3, 1, 4, 2),
                                                (9, 3, 1, 9, 1), (9, 3, 2, 1, 1)):
         found.rungs = [(1, [None] * count)] * spacings  # budget 20 s
-        one = argparse.Namespace(chance=chance * 0.5, value=1)  # the accuracy is 10 %
+        one = argparse.Namespace(chance=chance * 0.5, value=1, size=1)  # the accuracy is 10 %
         runs.check(found.needed([one], cost) == due, f"packings_for_{chance:g}_of_{count}_{spacings}_{cost}",
                    str(found.needed([one], cost)))
-    words = launch.command(found.scene, ["-spacing", "0.03", "-output_dir", runs.scratch("bounded")])
+    words = launch.command(found.scene, ["-spacing", "0.02", "-output_dir", runs.scratch("bounded")])
     code, said, spent = launch.start(words, 1)
     runs.check(code and "not done after 1 s of the processor" in said and 0.8 <= spent < 3, "a_run_has_a_bound",
                f"{code}, {said}, {spent}")
