@@ -8,7 +8,6 @@
 A figure is the processor time of an event that -log_view has, over that of a product of the solver in the same run, so
 that another processor and what else it does matter little; for SphSolve it is the time of a product over that of a
 fused multiply-add at the peak, for each particle. It is the least of some turns."""
-import argparse
 import os
 import sys
 
@@ -64,11 +63,7 @@ def dearer(rows, known):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", default=os.path.join(states.ROOT, "output/bench"))
-    parser.add_argument("--only", default="")
-    parser.add_argument("--readme", action="store_true")
-    arguments = parser.parse_args()
+    arguments = variants.asked(__doc__)
     table = os.path.join(arguments.out, "events.csv")
     if arguments.readme:
         rows = report.load(table)

@@ -99,12 +99,17 @@ def text(path):
     return "\n".join(report.grid(titles, lines)) + "\n"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def asked(about):
+    """The words of this program, and of those that run its scenes."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", default=os.path.join(states.ROOT, "output/bench"))
     parser.add_argument("--only", default="")
     parser.add_argument("--readme", action="store_true")
-    arguments = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    arguments = asked(__doc__)
     table = os.path.join(arguments.out, "variants.csv")
     if not arguments.readme:
         os.makedirs(os.path.join(arguments.out, "states"), exist_ok=True)
