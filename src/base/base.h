@@ -135,6 +135,8 @@ void TextAppend(char text[], size_t size, const char more[]);
 /* VectorText - writes the first dim numbers of a vector, "1, 2"; returns the text. Not collective. */
 #define VECTOR_TEXT 64
 const char *VectorText(PetscInt dim, const PetscReal x[], char text[VECTOR_TEXT]);
+/* AxesText - the same of what belongs to the axes of a rotation: in a plane the one across it. Not collective. */
+const char *AxesText(PetscInt dim, const PetscReal x[DIM], char text[VECTOR_TEXT]);
 
 /* UserErrorHandlerPush - pushes a PETSc error handler (pop it with PetscPopErrorHandler). The handler is silent while
    the code of a UserError travels up through PetscCall. For any other error it collects PETSc's message and the calls,

@@ -74,6 +74,11 @@ const char *VectorText(PetscInt dim, const PetscReal x[], char text[VECTOR_TEXT]
   return text;
 }
 
+const char *AxesText(PetscInt dim, const PetscReal x[DIM], char text[VECTOR_TEXT])
+{
+  return dim == 2 ? VectorText(1, x + 2, text) : VectorText(dim, x, text);
+}
+
 PetscErrorCode UserErrorSaid(void)
 {
   UserErrorRaised = Said = PETSC_TRUE;

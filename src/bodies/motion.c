@@ -328,7 +328,9 @@ static void MotionMoments(Body body, Moments *moments)
 
 static PetscErrorCode MotionView(Body body, PetscBool tension, PetscViewer viewer)
 {
-  const struct _p_Motion *m = body->motion;
+  const struct _p_Motion *m   = body->motion;
+  const PetscInt          dim = body->domain->dim;
+  char                    text[4][VECTOR_TEXT];
 
   PetscFunctionBegin;
   if (body->free) {
@@ -342,14 +344,10 @@ static PetscErrorCode MotionView(Body body, PetscBool tension, PetscViewer viewe
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPushTab(viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "moves: velocity %g, %g, %g m/s, oscillation %g, %g, %g m at %g Hz, rotation %g, "
-                                   "%g, %g rad/s about %g, %g, %g m%s%s\n",
-                                   (double)m->velocity[0], (double)m->velocity[1], (double)m->velocity[2],
-                                   (double)m->amplitude[0], (double)m->amplitude[1], (double)m->amplitude[2],
-                                   (double)(m->w / (2 * PETSC_PI)), (double)m->rate[0], (double)m->rate[1],
-                                   (double)m->rate[2], (double)m->center[0], (double)m->center[1], (double)m->center[2],
-                                   m->rows ? ", as in " : "", m->file.path));
+  PetscCall(PetscViewerASCIIPrintf(
+    viewer, "moves: velocity %s m/s, oscillation %s m at %g Hz, rotation %s rad/s about %s m%s%s\n",
+    VectorText(dim, m->velocity, text[0]), VectorText(dim, m->amplitude, text[1]), (double)(m->w / (2 * PETSC_PI)),
+    AxesText(dim, m->rate, text[2]), VectorText(dim, m->center, text[3]), m->rows ? ", as in " : "", m->file.path));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

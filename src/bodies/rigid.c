@@ -253,19 +253,21 @@ PetscErrorCode FreeCheck(Body body, PetscReal density)
 
 PetscErrorCode FreeView(Body body, PetscViewer viewer)
 {
-  const struct _p_Free *f    = body->free;
-  const char           *flat = DomainIsFlat(body->domain) ? "/m" : "";
+  const struct _p_Free *f            = body->free;
+  const char           *flat         = DomainIsFlat(body->domain) ? "/m" : "";
+  const PetscInt        dim          = body->domain->dim;
+  const PetscReal       inertia[DIM] = {f->inertia[0][0], f->inertia[1][1], f->inertia[2][2]};
+  char                  text[4][VECTOR_TEXT];
 
   PetscFunctionBegin;
   PetscCall(PetscViewerASCIIPushTab(viewer));
-  PetscCall(PetscViewerASCIIPrintf(viewer,
-                                   "moves freely: mass %g kg%s, %g kg/m3, inertia %g, %g, %g kg m2%s about %g, %g, %g "
-                                   "m; at the start velocity %g, %g, %g m/s, rotation %g, %g, %g rad/s\n",
-                                   (double)f->mass, flat, (double)(f->mass / f->volume), (double)f->inertia[0][0],
-                                   (double)f->inertia[1][1], (double)f->inertia[2][2], flat, (double)f->start[0],
-                                   (double)f->start[1], (double)f->start[2], (double)f->now.velocity[0],
-                                   (double)f->now.velocity[1], (double)f->now.velocity[2], (double)f->now.rate[0],
-                                   (double)f->now.rate[1], (double)f->now.rate[2]));
+  PetscCall(PetscViewerASCIIPrintf(
+    viewer,
+    "moves freely: mass %g kg%s, %g kg/m3, inertia %s kg m2%s about %s m; at the start velocity %s m/s, "
+    "rotation %s rad/s\n",
+    (double)f->mass, flat, (double)(f->mass / f->volume), AxesText(dim, inertia, text[0]), flat,
+    VectorText(dim, f->start, text[1]), VectorText(dim, f->now.velocity, text[2]),
+    AxesText(dim, f->now.rate, text[3])));
   PetscCall(PetscViewerASCIIPopTab(viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -69,18 +69,22 @@ def shown(name, measured, expected=np.nan, unit=""):
 
 def damped_cosine(t, q, frequency, damping):
     """Frequency and damping (1/s) of exp(-b t)(A cos wt + B sin wt) + C by least squares, from a first guess; and the
-    root of the mean square of what is left over the largest q."""
+    root of the mean square of what is left over the largest q. What grows for ever has no such fit: nan."""
     def rest(w, b):
         shape = np.exp(-b * t)
         A = np.column_stack([shape * np.cos(w * t), shape * np.sin(w * t), np.ones_like(t)])
         return np.sqrt(((A @ np.linalg.lstsq(A, q, rcond=None)[0] - q)**2).mean())
 
     best, step = np.array([frequency, damping]), np.array([0.1 * frequency, damping])
-    while step[0] > 1e-6 * frequency:
+    for _ in range(1000):
         around = [best + step * (i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
         errors = [rest(*p) for p in around]
         k = int(np.argmin(errors))
         best, step = around[k], step * (0.5 if k == 4 else 1)
+        if step[0] <= 1e-6 * frequency:
+            break
+    else:
+        return np.nan, np.nan, np.nan
     return best[0], best[1], min(errors) / np.abs(q - q.mean()).max()
 
 
