@@ -144,25 +144,51 @@ static PetscErrorCode ContinuePressure(const Step *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* u[] ([n_total][3]): the velocity of what pushes, and the mean of it around each dummy particle beside it; others have
+   0. The pressure between liquid in front and dummy particles beside what pushes is a part of its force: with a quarter
+   of a spacing at each wall, a column was lifted by 4 % too little. */
+static PetscErrorCode FindPushing(const Step *step, PetscReal u[])
+{
+  const Emissions *emissions = (Emissions *)step->own;
+  const Cloud      cloud     = step->cloud;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(u, DIM * cloud->n_total));
+  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++)
+    PetscCall(PetscArraycpy(u + DIM * p->a, p->v, DIM));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+    PetscInt count = 0;
+
+    for (PetscInt64 k = cloud->first[b]; k < cloud->first[b + 1]; k++) {
+      if (cloud->integer[INT_LAYER][cloud->list[k]]) continue;
+      for (PetscInt d = 0; d < DIM; d++) u[DIM * b + d] += u[DIM * cloud->list[k] + d];
+      count++;
+    }
+    for (PetscInt d = 0; d < DIM && count; d++) u[DIM * b + d] /= count;
+  }
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Kick(const Step *step)
 {
   Emissions *emissions = (Emissions *)step->own;
   Cloud      cloud     = step->cloud;
-  PetscReal *force;
+  PetscReal *force, *u;
 
   PetscFunctionBegin;
   if (!cloud->pushing) PetscFunctionReturn(PETSC_SUCCESS);
   if (emissions->held) PetscCall(ContinuePressure(step));
   emissions->held = PETSC_FALSE;
   PetscCall(CloudGetWork(cloud, DIM, &force));
+  PetscCall(CloudGetWork(cloud, DIM, &u));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
-  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++) {
-    emissions->work -= step->dt * Dot(force + DIM * p->a, p->v);
+  PetscCall(FindPushing(step, u));
+  for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++)
     PetscCall(PetscArraycpy(cloud->field[FIELD_VELOCITY_NEW] + DIM * p->a, p->v, DIM));
-  }
-  for (PetscInt g = cloud->n_owned; g < cloud->n_total; g++) /* each rank has the forces of its own liquid */
-    if (CloudPushes(cloud, g))
-      emissions->work -= step->dt * Dot(force + DIM * g, cloud->field[FIELD_VELOCITY_STAR] + DIM * g);
+  for (PetscInt k = 0; k < DIM * cloud->n_total; k++) emissions->work -= step->dt * force[k] * u[k]; /* ghosts, too */
+  PetscCall(CloudRestoreWork(cloud, &u));
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -113,51 +113,20 @@ static void FindRemainder(Cloud cloud, PetscInt a, const PairRow *row, PetscReal
   }
 }
 
-/* How much of the force along itself particle b leaves to others: a wall of the box to all, a solid to liquid that
-   pushes. */
-static PetscInt Rank(Cloud cloud, PetscInt b)
-{
-  return CloudPushes(cloud, b) ? 2 : cloud->integer[INT_BODY][b] <= BODY_SOLID;
-}
-
-/* Takes from the force f on dummy particle b what acts along its wall, or its solid, and adds it to 'along'. */
-static void TakeAlong(Cloud cloud, PetscInt b, PetscReal f[DIM], PetscReal along[DIM])
-{
-  const Domain     domain = cloud->domain;
-  const PetscReal *x = cloud->field[FIELD_POSITION] + DIM * b, *n = cloud->solid_normal ? cloud->solid_normal + DIM * b : NULL;
-  const PetscReal  across = Rank(cloud, b) ? Dot(f, n) : 0;
-
-  for (PetscInt d = 0; d < DIM; d++) {
-    PetscReal kept = x[d] < domain->lower[d] || x[d] > domain->upper[d] ? f[d] : 0;
-
-    if (Rank(cloud, b)) kept = across * n[d];
-    along[d] += f[d] - kept;
-    f[d] = kept;
-  }
-}
-
-/* Adds the force of fluid particle a on the dummy particles around it, and on liquid that pushes. Pairs with dummy
-   particles beside and behind such liquid take a part of its force, along their wall: with a quarter of a spacing at
-   each wall of a channel an emitter lifted 4 % too little. So it gets what acts along them; and so does a solid what
-   acts along walls of the box. */
+/* Adds the force of fluid particle a on the dummy particles around it. */
 static void AddRow(Cloud cloud, const Levels *levels, PetscBool corrected, PetscInt a, const PairRow *row,
                    PetscReal force[])
 {
   const PetscReal  identity[6] = {1, 1, 1, 0, 0, 0}, *p = cloud->field[FIELD_PRESSURE];
   const PetscReal *B              = corrected ? cloud->field[FIELD_CORRECTION] + 6 * a : identity;
-  PetscReal        remainder[DIM] = {0, 0, 0}, one[DIM] = {0, 0, 0}, along[DIM] = {0, 0, 0}, sum = 0, last = 0;
-  PetscInt         rank = 0;
+  PetscReal        remainder[DIM] = {0, 0, 0}, one[DIM] = {0, 0, 0}, sum = 0;
 
-  for (PetscInt k = 0; k < row->n; k++) {
-    if (!CloudBounds(cloud, row->index[k])) continue;
-    sum += row->F[k];
-    rank = PetscMax(rank, Rank(cloud, row->index[k]));
-  }
+  for (PetscInt k = 0; k < row->n; k++) sum += CloudBounds(cloud, row->index[k]) ? row->F[k] : 0;
   if (sum == 0) return;
   if (corrected) FindRemainder(cloud, a, row, remainder, one);
   for (PetscInt k = 0; k < row->n; k++) {
     const PetscInt b = row->index[k];
-    PetscReal      c, part[DIM], f[DIM];
+    PetscReal      c, part[DIM];
 
     if (!CloudBounds(cloud, b)) continue;
     c = PairArea(cloud, a, row, k);
@@ -165,17 +134,9 @@ static void AddRow(Cloud cloud, const Levels *levels, PetscBool corrected, Petsc
     for (PetscInt d = 0; d < DIM; d++) {
       const PetscReal level = LevelOf(cloud, levels, b, d);
 
-      f[d] = c * (p[a] + p[b] - 2 * level) * part[d] + (remainder[d] - level * one[d]) * row->F[k] / sum;
+      force[DIM * b + d] += c * (p[a] + p[b] - 2 * level) * part[d] + (remainder[d] - level * one[d]) * row->F[k] / sum;
     }
-    if (Rank(cloud, b) < rank)
-      TakeAlong(cloud, b, f, along);
-    else
-      last += row->F[k];
-    for (PetscInt d = 0; d < DIM; d++) force[DIM * b + d] += f[d];
   }
-  for (PetscInt k = 0; k < row->n; k++)
-    for (PetscInt d = 0; d < DIM && CloudBounds(cloud, row->index[k]) && Rank(cloud, row->index[k]) == rank; d++)
-      force[DIM * row->index[k] + d] += along[d] * row->F[k] / last;
 }
 
 PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal force[])
