@@ -43,6 +43,15 @@ def emitters():
     implicit = books(CHANNEL + "-viscosity_solver implicit", "implicit")[0]
     for column in ("viscous_work", "outside_work"):
         runs.check_below(abs(implicit[column][-1] / whole[column][-1] - 1), 0.01, f"{column}, implicit viscosity")
+    # Beside walls it has the whole force on its face: as rings, and against the pressure of an outlet.
+    rest = books("""-dimension axisymmetric -spacing 0.01 -box_lower 0,0 -box_upper 0.05,0.8 -box_xmax wall
+     -box_ymin wall -gravity 0,-9.81 -bodies water,pump -water_lower 0,0.04 -water_upper 0.05,0.3 -pump_type emitter
+     -pump_upper 0.05,0.04 -pump_velocity 0,0.2 -time_end 1 -series_interval 0.1""", "rings")[1]
+    runs.check_below(abs(rest[-1]), 0.015, "books of a column of rings that an emitter lifts")
+    s, rest = books(CHANNEL + """-box_xmax_pressure 2000 -bodies jet,water -water_lower 0.2,0 -water_upper 0.8,0.4
+     -water_velocity 0.5,0""", "against")
+    unexplained = rest[-1] * max(np.ptp(s["viscous_work"]), np.ptp(s["outside_work"]))
+    runs.check_below(abs(unexplained), 0.01 * 2000 * 0.4 * 0.5 * 0.5, "books of an emitter against an outlet")
 
 
 def gas():
