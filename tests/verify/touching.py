@@ -124,6 +124,9 @@ PUSHED = TANK.replace("1.2,", "1.6,").replace("1.6,0.4", "1.6,0.5") + """-solids
 STACK = TANK + """-solids low,high -low_lower 0.4,0.03 -low_upper 0.8,0.17 -low_mass 112 -low_friction 0.5
  -high_lower 0.45,0.2 -high_upper 0.75,0.34 -high_mass 84 -high_friction 0.5 """
 
+DEEP = TANK.replace("0.4 -series", "0.6 -series") + """-solids low,high -low_lower 0.4,0 -low_upper 0.8,0.1 -low_mass 80
+ -high_lower 0.45,0.1 -high_upper 0.75,0.2 -high_mass 60 -water_viscosity 1 -time_end 0.5 -checkpoint_interval 0 """
+
 
 def tank():
     s = runs.series(runs.run(PUSHED + "-time_end 1.4", "pushed"))
@@ -137,6 +140,10 @@ def tank():
         runs.check_below(abs(y[-10:] - level).max() / SPACING, 0.25, f"a stack of two boxes: height, {name}")
         moved = max(abs(of[-10:]).max() for of in (u, v, turn))
         runs.check_below(moved, 0.03, f"and at rest, {name}")
+    # Deep water presses boxes on the floor and on each other, for steps as long as the weight allows.
+    s = runs.series(runs.run(DEEP, "deep"))
+    for name, level in (("low", 0.05), ("high", 0.15)):
+        runs.check_below(abs(columns(s, name)[1] - level).max() / SPACING, 0.02, f"deep water on a stack, {name}")
 
 
 def ranks():
