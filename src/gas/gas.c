@@ -27,6 +27,7 @@ static const NumberRow rows[] = {
   {"gas_work", NUMBER_REAL, offsetof(GasNumbers, work), ENERGY_GIVEN, "enclosed gas"},
   {"gas_swept", NUMBER_REAL, offsetof(GasNumbers, swept), ENERGY_NONE, NULL},
   {"gas_power", NUMBER_REAL, offsetof(GasNumbers, power), ENERGY_NONE, NULL},
+  {"gas_pressure_change", NUMBER_REAL, offsetof(GasNumbers, change), ENERGY_NONE, NULL},
   {"gas_highest", NUMBER_REAL, offsetof(GasNumbers, highest), ENERGY_NONE, NULL},
   {"gas_enclosed", NUMBER_REAL, offsetof(GasNumbers, enclosed), ENERGY_NONE, NULL},
   {"gas_vented", NUMBER_REAL, offsetof(GasNumbers, vented), ENERGY_NONE, NULL},
@@ -236,6 +237,22 @@ static void Keep(Gas *gas, PetscBool counted, GasNumbers *so_far)
   for (PetscInt k = 0; k < so_far->count; k++) so_far->pocket[k] = gas->before.pocket[k + 1];
 }
 
+#define JOLT 0.25 /* as that of a body force, FORCE_LIMIT of stepper/consistent.c */
+
+/* The change of a pocket's pressure in a step is a force on the layer of a smoothing length beside it that the step
+   before did not know: its bound is that of a body force dp/dt dt/(rho h). */
+static void Bound(const Step *step, PetscReal scale, StepBound *bound)
+{
+  const Gas      *gas = (const Gas *)step->own;
+  const PetscReal h   = scale * KernelSmoothingLength(step->cloud->kernel),
+                  m   = BodyMaterial(SceneBody(step->scene, 0))->density * h;
+
+  bound->name  = "gas";
+  bound->cause = "changes of the gas's pressure";
+  bound->lift  = "a larger -spacing";
+  if (gas->change > 0) bound->step = PetscPowReal(JOLT * JOLT * h * m / gas->change, 1.0 / 3);
+}
+
 static PetscErrorCode Commit(const Step *step, StepState *state)
 {
   Gas        *gas    = (Gas *)step->own;
@@ -246,8 +263,12 @@ static PetscErrorCode Commit(const Step *step, StepState *state)
   if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS);
   gas->idle = so_far->idle = gas->found && !gas->same ? 0 : gas->idle + 1;
   if (!gas->found) PetscFunctionReturn(PETSC_SUCCESS);
+  so_far->change = 0;
   for (PetscInt k = 1; k <= gas->now.count && gas->solved; k++) {
     const PetscReal P = gas->now.pocket[k].pressure;
+
+    if (!PocketIsVoid(&gas->now.pocket[k]))
+      so_far->change = PetscMax(so_far->change, PetscAbsReal(P - gas->kept[k]) / state->time_step);
 
     so_far->swept += 0.5 * state->time_step * gas->old[k] * (P + gas->kept[k]);
     power += P * gas->old[k];
@@ -257,6 +278,7 @@ static PetscErrorCode Commit(const Step *step, StepState *state)
   /* swept: to the start of the step; in its second half the power goes on as it did */
   so_far->work  = so_far->swept + 0.5 * state->time_step * (2 * power - so_far->power);
   so_far->power = power;
+  gas->change   = so_far->change;
   Keep(gas, PETSC_TRUE, so_far);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -294,6 +316,7 @@ static PetscErrorCode Renew(const Step *step, PetscBool resumed, StepState *stat
   PetscFunctionBegin;
   if (!so_far->known) PetscFunctionReturn(PETSC_SUCCESS);
   gas->idle    = so_far->idle;
+  gas->change  = so_far->change;
   gas->resumed = resumed ? so_far->count : 0;
   PetscCall(GasFind(gas, PETSC_TRUE));
   gas->resumed = 0;
@@ -365,6 +388,7 @@ const Edge GasEdge = {.name        = "gas",
                       .drift    = Drift,
                       .surround = Surround,
                       .check    = Check,
+                      .bound    = Bound,
                       .beside   = Beside,
                       .doubt    = Doubt,
                       .commit   = Commit,

@@ -133,6 +133,7 @@ typedef struct {
   PetscReal work, swept;            /* done by gas on the liquid, J; up to the start of the last step */
   PetscReal power;                  /* at that time, W */
   PetscReal highest;                /* largest pressure so far, Pa */
+  PetscReal change;                 /* the fastest of a pocket's pressure in the last step, Pa/s */
   PetscReal enclosed, vented, lost; /* amounts so far: from the air, to the air, in regions too small for a pocket */
   PetscInt  count, known, idle;     /* pockets; they have been looked for; steps since then */
   PetscInt  born, split, merged, ended; /* pockets so far: enclosed, parted, joined, opened or filled */
@@ -197,6 +198,7 @@ typedef struct {
   PetscReal g[GAS_MOST], *matrix;                  /* [count][count] D + C */
   PetscReal star[GAS_MOST + 1], old[GAS_MOST + 1]; /* rates of the volumes without the pressure, at the start, m3/s */
   PetscReal kept[GAS_MOST + 1];                    /* pressures of the former step, Pa */
+  PetscReal change;                                /* that of the numbers */
   GasLoads  loads;
   PetscInt  yields; /* rows by which pockets move what floats, behind the others */
 } Gas;
