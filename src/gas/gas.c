@@ -238,9 +238,13 @@ static void Keep(Gas *gas, PetscBool counted, GasNumbers *so_far)
 }
 
 #define JOLT 0.25 /* as that of a body force, FORCE_LIMIT of stepper/consistent.c */
+/* of the change, that is left after a step: steps that follow a swing of the gas, short halfway and long at its ends,
+   feed it; a plug of water between two pockets gains 6 % of its swing in a period with 0, 2 % with 0.9, none with 0.95
+ */
+#define FORGOTTEN 0.95
 
-/* The change of a pocket's pressure in a step is a force on the layer of a smoothing length beside it that the step
-   before did not know: its bound is that of a body force dp/dt dt/(rho h). */
+/* The change of a pocket's pressure in a step is a force on the layer of a smoothing length beside it, dp/dt dt/(rho
+   h), which bounds the step as a body force does. */
 static void Bound(const Step *step, PetscReal scale, StepBound *bound)
 {
   const Gas      *gas = (const Gas *)step->own;
@@ -263,7 +267,7 @@ static PetscErrorCode Commit(const Step *step, StepState *state)
   if (gas->frozen) PetscFunctionReturn(PETSC_SUCCESS);
   gas->idle = so_far->idle = gas->found && !gas->same ? 0 : gas->idle + 1;
   if (!gas->found) PetscFunctionReturn(PETSC_SUCCESS);
-  so_far->change = 0;
+  so_far->change *= FORGOTTEN;
   for (PetscInt k = 1; k <= gas->now.count && gas->solved; k++) {
     const PetscReal P = gas->now.pocket[k].pressure;
 
