@@ -28,8 +28,9 @@
 
    Rows that see neither gas nor air nor a void, or are not beside a free surface (gaps between particles that are no
    surface, rows that the flow has stretched), have the pressure around them outside: with m the mean of the liquid
-   neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its part HELD. Where there is open air and no
-   pocket they keep 0, as dry dummy particles have. What else was tried: cases/breathing_bubble/tried.md. */
+   neighbours, their closure c p becomes c (1 - m)(1 - m)^T p, but for its part HELD, which has the former m outside:
+   with 0 there, gaps of liquid under suction opened from step to step. Where there is open air and no pocket they keep
+   0, as dry dummy particles have. What else was tried: cases/breathing_bubble/tried.md. */
 #include "gas_impl.h"
 
 #define CENTRED 0.25 /* b */
@@ -486,12 +487,15 @@ static PetscErrorCode Add(void *context, Pressure pressure, const PetscScalar p[
 static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
 {
   const Gas      *gas  = (const Gas *)context;
-  const PetscReal kept = PressureKeptShare(pressure);
+  const PetscReal kept = PressureKeptShare(pressure), *p = gas->cloud->field[FIELD_PRESSURE];
   PetscReal       q[GAS_MOST];
 
   PetscFunctionBegin;
   if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(AddGaps(gas, pressure, kept, gas->cloud->field[FIELD_PRESSURE], rhs));
+  PetscCall(AddGaps(gas, pressure, kept, p, rhs));
+  for (PetscInt g = 0, n; g < gas->gaps; g++)
+    rhs[gas->gap[g]] +=
+      (1 - kept) * HELD * PressureClosure(pressure)[gas->gap[g]] * MeanAround(gas->cloud, gas->gap[g], p, &n);
   if (!gas->now.count) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Pressures(gas, NULL, gas->g, q));
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++)
@@ -523,7 +527,7 @@ static PetscErrorCode Outside(void *context, Pressure pressure, PetscReal outsid
   PetscFunctionBegin;
   if (!Acts(gas)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt g = 0, n; g < gas->gaps; g++)
-    outside[gas->gap[g]] += (1 - HELD) * MeanAround(gas->cloud, gas->gap[g], gas->cloud->field[FIELD_PRESSURE], &n);
+    outside[gas->gap[g]] += MeanAround(gas->cloud, gas->gap[g], gas->cloud->field[FIELD_PRESSURE], &n);
   for (const GasRow *r = gas->row; r < gas->row + gas->rows; r++) {
     const PetscReal P = gas->now.pocket[r->pocket + 1].pressure;
 

@@ -24,6 +24,11 @@ CORK = ALL + f"""-box_lower 0,0 -box_upper {WIDE},2 -box_x wall -box_ymin wall -
  -gas_pressure_start 106325 -solids block -block_lower 0,0.5 -block_upper 0.4,0.6 -block_turns 0 -time_step 4e-4 """
 PUSHED = TUBE + """-water_lower 0,0 -water_upper 0.4,0.4 -solids block -block_lower 0,1 -block_upper 0.4,1.2
  -block_oscillation_amplitude 0,0.1 -block_oscillation_frequency 2 -time_step 1e-3 -time_end 0.25 """
+STILL = """-dimension 2 -spacing 2e-3 -box_lower -0.1,-0.05 -box_upper 0.1,0.15 -bodies water -water_lower -0.05,0
+ -water_upper 0.05,0.07 -water_tension 0.072 -solids floor,left,right,top -floor_lower -0.065,-0.016
+ -floor_upper 0.065,0 -left_lower -0.066,0 -left_upper -0.05,0.1 -right_lower 0.05,0 -right_upper 0.066,0.1
+ -top_lower -0.066,0.1 -top_upper 0.066,0.116 -gravity 0,-9.81 -gas -series_interval 0.05 -snapshot_interval 0.2
+ -time_end 0.2 -checkpoint_interval 0 """
 PLUG = """-dimension 2 -spacing 2e-3 -box_lower -0.05,-0.06 -box_upper 0.05,0.2 -box_x wall -box_y wall -bodies water
  -water_lower -0.05,0 -water_upper 0.05,0.14 -gravity 0,-9.81 -gas -series_interval 0 -snapshot_interval 0.07
  -time_end 0.07 -checkpoint_interval 0 """
@@ -105,6 +110,12 @@ runs.check_within(np.abs(ratio - 1).max(), 0, 0.02, "pushed_force")
 given = AIR / 0.4 * sum(V * ((V / (V + s * 0.04)) ** 0.4 - 1) + 0.4 * s * 0.04 for V, s in ((0.24, 1), (0.16, -1)))
 most = np.abs(series["outside_work_J/m"]).max()
 runs.check_within(most / given, 0, 0.1, "what_the_piston_gives_the_gas_takes")
+
+# below gas the liquid of a vessel whose walls are solids is still, whatever the level of the pressure
+for level, name in ((-1e4, "suction"), (1e4, "pressure")):
+    folder = runs.run(STILL + f"-gas_pressure_start {AIR + level}", name)
+    last = runs.fields(runs.numbered(folder, "snapshot")[-1])
+    runs.check_below(np.abs(last["velocity"][:, :2]).max(), 0.06, f"fastest particle of a still vessel under {name}")
 
 # a plug of water swings between two pockets; steps that are too long for the gas break its surface at the walls
 folder = runs.run(PLUG, "plug")
