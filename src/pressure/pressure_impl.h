@@ -111,6 +111,7 @@ struct _p_Pressure {
   PetscBool  level_held;    /* terms of low rank hold it, and no row is closed */
   PetscInt  empty_rows; /* rows without pairs, of all ranks, for instance deep in a solid; the constant is zero there */
   PetscReal dt;         /* s, of the right-hand side */
+  PetscReal level;      /* Pa, what the solver's pressures are above, while it solves */
   PetscReal kept_share; /* PressureSetKeptShare */
 
   /* numbers of the rows */

@@ -115,7 +115,8 @@ static PetscErrorCode Start(void *context, PetscBool again)
   PetscCall(SetOperators(pressure, (PetscBool)(again || pressure->rebuild || pressure->kept == KEPT_NONE ||
                                                pressure->age >= pressure->kept_steps)));
   PetscCall(VecGetArrayWrite(pressure->solver.x, &x));
-  PetscCall(PetscArraycpy(x, pressure->cloud->field[FIELD_PRESSURE], pressure->cloud->n_rows));
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
+    x[r] = pressure->cloud->field[FIELD_PRESSURE][r] - pressure->level;
   PetscCall(VecRestoreArrayWrite(pressure->solver.x, &x));
   if (pressure->constant_null) {
     MatNullSpace constant;
@@ -367,15 +368,46 @@ PetscErrorCode PressureToCloud(Pressure pressure, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Takes from the right-hand side b the level of the pressure outside: the constant whose closures are nearest to b. A
+   constant is no flow, and the solver's tolerance is a share of |b|: a vessel at rest beside an outlet of 1500 Pa had
+   an error of the density of 3 %, in long steps without an iteration. Only of known pressures: others have their own
+   rows. */
+static PetscErrorCode TakeLevel(Pressure pressure)
+{
+  const PetscReal *closure = pressure->closure_diagonal;
+  PetscBool        known   = PETSC_FALSE;
+  PetscReal        sum[2]  = {0, 0}; /* b.c, c.c */
+  PetscScalar     *b;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < pressure->low_ranks; k++)
+    known = (PetscBool)(known || (pressure->low_rank[k].term->outside && !pressure->low_rank[k].term->add));
+  if (!known) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArray(pressure->solver.b, &b));
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) {
+    if (pressure->pair_diagonal[r] == 0) continue;
+    sum[0] += PetscRealPart(b[r]) * closure[r];
+    sum[1] += closure[r] * closure[r];
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPI_SUM, pressure->cloud->comm));
+  pressure->level = sum[1] > 0 ? sum[0] / sum[1] : 0;
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) b[r] -= pressure->level * closure[r];
+  PetscCall(VecRestoreArray(pressure->solver.b, &b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *result)
 {
   SolverReport *report = &result->solver;
 
   PetscFunctionBegin;
   PetscCall(Prepare(pressure, dt, PETSC_FALSE));
+  PetscCall(TakeLevel(pressure));
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   pressure->solver.A = EquationOf(pressure);
   PetscCall(SolverSolve(&pressure->solver, report));
+  if (pressure->level != 0) PetscCall(VecShift(pressure->solver.x, pressure->level));
+  pressure->level = 0;
   result->density = pressure->density_left;
   result->rebuilt = (PetscBool)(pressure->age++ == 0);
   if (result->rebuilt) pressure->first_iterations = report->iterations;
