@@ -105,6 +105,20 @@ static PetscErrorCode SetOperators(Pressure pressure, PetscBool renew)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the level to the pressures x of rows with pairs. */
+static PetscErrorCode AddLevel(Pressure pressure, PetscReal level, Vec x)
+{
+  PetscScalar *p;
+
+  PetscFunctionBegin;
+  if (level == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecGetArray(x, &p));
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
+    if (pressure->pair_diagonal[r] > 0) p[r] += level;
+  PetscCall(VecRestoreArray(x, &p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Before an attempt: sets the kept or a new preconditioner, and the cloud's pressure as the initial guess. */
 static PetscErrorCode Start(void *context, PetscBool again)
 {
@@ -115,9 +129,9 @@ static PetscErrorCode Start(void *context, PetscBool again)
   PetscCall(SetOperators(pressure, (PetscBool)(again || pressure->rebuild || pressure->kept == KEPT_NONE ||
                                                pressure->age >= pressure->kept_steps)));
   PetscCall(VecGetArrayWrite(pressure->solver.x, &x));
-  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
-    x[r] = pressure->cloud->field[FIELD_PRESSURE][r] - pressure->level;
+  PetscCall(PetscArraycpy(x, pressure->cloud->field[FIELD_PRESSURE], pressure->cloud->n_rows));
   PetscCall(VecRestoreArrayWrite(pressure->solver.x, &x));
+  PetscCall(AddLevel(pressure, -pressure->level, pressure->solver.x));
   if (pressure->constant_null) {
     MatNullSpace constant;
 
@@ -391,7 +405,8 @@ static PetscErrorCode TakeLevel(Pressure pressure)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPIU_REAL, MPI_SUM, pressure->cloud->comm));
   pressure->level = sum[1] > 0 ? sum[0] / sum[1] : 0;
-  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++) b[r] -= pressure->level * closure[r];
+  for (PetscInt r = 0; r < pressure->cloud->n_rows; r++)
+    if (pressure->pair_diagonal[r] > 0) b[r] -= pressure->level * closure[r];
   PetscCall(VecRestoreArray(pressure->solver.b, &b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -406,7 +421,7 @@ PetscErrorCode PressureSolve(Pressure pressure, PetscReal dt, PressureResult *re
   PetscCall(PetscLogEventBegin(LogEvent(EVENT_SOLVE), 0, 0, 0, 0));
   pressure->solver.A = EquationOf(pressure);
   PetscCall(SolverSolve(&pressure->solver, report));
-  if (pressure->level != 0) PetscCall(VecShift(pressure->solver.x, pressure->level));
+  PetscCall(AddLevel(pressure, pressure->level, pressure->solver.x));
   pressure->level = 0;
   result->density = pressure->density_left;
   result->rebuilt = (PetscBool)(pressure->age++ == 0);

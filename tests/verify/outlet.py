@@ -130,6 +130,13 @@ def viscous():
     near([falls], 12 * mu * speed / wide**2, 0.05, "a viscous channel: slope of its pressure")
 
 
+def long_steps():
+    """A vessel at rest beside an outlet keeps its density in long steps, whatever presses outside."""
+    s = runs.series(runs.run(f"""-dimension 2 -spacing 0.02 -box_lower 0,0 -box_upper 0.5,0.2 -box_y wall -box_xmin wall
+     -box_xmax_pressure 1500 -bodies oil -oil_upper 0.5,0.2 -oil_viscosity 1 -time_end 4 {PLAIN}""", "long_steps"))
+    runs.check_below(s["density_error"][1:].max(), 2 * s["density_error"][0], "at rest in long steps: density error")
+
+
 def model():
     """A scene whose two open faces differ is no half."""
     scene = f"""-spacing 0.1 -box_lower -1,-1,0 -box_upper 1,1,1 -box_zmin wall -gravity 0,0,-{G} -bodies a
@@ -154,7 +161,7 @@ def refused():
 
 
 PARTS = {"tank": tank, "plane": plane, "space": space, "restart": restart, "pressure": pressure, "viscous": viscous,
-         "model": model, "refused": refused}
+         "long_steps": long_steps, "model": model, "refused": refused}
 for part in runs.parts(*PARTS):
     PARTS[part]()
 runs.done()
