@@ -320,8 +320,10 @@ static PetscErrorCode AddPlace(Scene scene, Domain domain, const Layer *layer, P
                                PetscReal dt, Place *place, PetscSegBuffer places)
 {
   const PetscInt one = layer->one, other = (PetscInt)place->other;
-  PetscReal      x[DIM], own[DIM], v[DIM], distance, toward[DIM];
-  Place         *kept;
+  /* a dummy particle may be on the surface, or a little in front of it */
+  const PetscReal probe = PetscMax(layer->depth, TIE * domain->spacing);
+  PetscReal       x[DIM], own[DIM], v[DIM], distance, toward[DIM];
+  Place          *kept;
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < DIM; d++) x[d] = layer->x[d];
@@ -338,12 +340,11 @@ static PetscErrorCode AddPlace(Scene scene, Domain domain, const Layer *layer, P
   place->aside = Slide(scene, domain, layer, x, own, &distance, place->n, other);
   for (PetscInt d = 0; d < DIM; d++) {
     place->x[d] = x[d] - distance * place->n[d];
-    toward[d]   = layer->own[d] + (x[d] - layer->x[d]) - layer->depth * place->n[d];
+    toward[d]   = layer->own[d] + (x[d] - layer->x[d]) - probe * place->n[d];
   }
   SetDriven(scene, domain, time, place);
   place->gap  = distance - layer->depth;
-  place->open = PetscSqrtReal(
-    PetscMax(0, -2 * SceneOneDistance(scene, one, toward) / PetscMax(layer->depth, TIE * domain->spacing)));
+  place->open = PetscSqrtReal(PetscMax(0, 2 - 2 * (SceneOneDistance(scene, one, toward) + layer->depth) / probe));
   if (other >= 0 && !TakePlane(scene, layer, x, place)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSegBufferGet(places, 1, &kept));
   *kept = *place;

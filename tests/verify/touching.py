@@ -73,6 +73,14 @@ def dry():
     for across, g in (("x", SLOPE), ("y", 0.1 * SLOPE)):
         u = s[next(n for n in s.dtype.names if n.startswith(f"a_velocity_{across}"))]
         runs.check_within(u[-1] / (5 / 7 * g * s["time"][-1]), 0.98, 1.02, f"speed of a sphere that rolls, {across}")
+    # A ball slides to and fro in a round trough, without friction: nothing ahead of it stops it.
+    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -b_lower 0.1,0 -b_upper 1.5,0.6 -b_holes round -round_shape sphere
+ -round_radius 0.7 -round_center 0.8,0.84 -a_shape sphere -a_radius 0.1 -a_center 0.594788,0.276184 -a_mass 20
+ -time_end 1.6""", "trough"))
+    x, late = columns(s, "a")[0] - 0.8, s["time"] > 1.2
+    runs.check_within(x[late].min() / x[0], 0.99, 1.001, "a ball swings in a trough")
+    due = 2 * np.pi * np.sqrt(0.6 / G) * (1 + np.radians(20)**2 / 16)
+    runs.check_within(s["time"][late][np.argmin(x[late])] / due, 0.99, 1.01, "its period")
     # Without friction a ball that spins goes on to spin when it has hit the floor.
     s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_shape sphere -a_radius 0.1 -a_center 0.8,0.2 -a_mass 31.4
  -a_rotation_rate 20 -a_restitution 0.6 -b_lower 0.1,0 -b_upper 0.3,0.1 -b_mass 20 -time_end 0.25""", "spin"))
