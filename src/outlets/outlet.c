@@ -76,6 +76,40 @@ PetscInt OutletsFacing(const Outlets *outlets, PetscInt a)
   return face;
 }
 
+/* The mean of v ([n_total][width]) over the liquid around particle a, itself included. */
+static void MeanAround(Cloud cloud, PetscInt a, PetscInt width, const PetscReal v[], PetscReal mean[])
+{
+  const PetscReal *x   = cloud->field[FIELD_POSITION] + DIM * a;
+  PetscReal        sum = 0, r2 = 0, W;
+
+  KernelEvaluate(cloud->kernel, 1, &r2, &sum, NULL);
+  for (PetscInt d = 0; d < width; d++) mean[d] = sum * v[width * a + d];
+  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
+    const PetscInt   b = cloud->list[k];
+    const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * b, r[DIM] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+
+    if (cloud->integer[INT_LAYER][b]) continue;
+    r2 = Dot(r, r) / PetscSqr(CloudPairSize(cloud, a, b));
+    KernelEvaluate(cloud->kernel, 1, &r2, &W, NULL);
+    sum += W;
+    for (PetscInt d = 0; d < width; d++) mean[d] += W * v[width * b + d];
+  }
+  for (PetscInt d = 0; d < width; d++) mean[d] /= sum;
+}
+
+/* What the closed row of particle a has outside (Pa), beyond what surrounds it anyway: on and near a surface what the
+   outlets have. A gap amid the liquid has the former pressure around: with that of the open air it was a sink, which
+   came and went with the particles, and the pressure behind an emitter, against 1500 Pa, moved by 120 Pa (now 30). */
+static PetscReal OutsideRow(const Outlets *outlets, PetscInt a)
+{
+  const Cloud cloud = outlets->cloud;
+  PetscReal   around;
+
+  if (cloud->integer[INT_SURFACE][a]) return OutletsPressure(outlets, a, NULL);
+  MeanAround(cloud, a, 1, cloud->field[FIELD_PRESSURE], &around);
+  return around - PressureSurrounds(outlets->pressure, a, NULL);
+}
+
 static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rhs[])
 {
   const Outlets   *outlets = (const Outlets *)context;
@@ -83,7 +117,7 @@ static PetscErrorCode RightSide(void *context, Pressure pressure, PetscScalar rh
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < outlets->cloud->n_fluid && !outlets->frozen; a++)
-    rhs[a] += share * closure[a] * OutletsPressure(outlets, a, NULL);
+    if (closure[a] > 0 && !CloudPushes(outlets->cloud, a)) rhs[a] += share * closure[a] * OutsideRow(outlets, a);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,27 +129,6 @@ static PetscErrorCode OutsideRows(void *context, Pressure pressure, PetscReal ou
   for (PetscInt a = 0; a < outlets->cloud->n_fluid && !outlets->frozen; a++)
     outside[a] += OutletsPressure(outlets, a, slope + DIM * a);
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The mean of v ([n_total][3], m/s) over the liquid around particle a, itself included. */
-static void MeanAround(Cloud cloud, PetscInt a, const PetscReal v[], PetscReal mean[DIM])
-{
-  const PetscReal *x   = cloud->field[FIELD_POSITION] + DIM * a;
-  PetscReal        sum = 0, r2 = 0, W;
-
-  KernelEvaluate(cloud->kernel, 1, &r2, &sum, NULL);
-  for (PetscInt d = 0; d < DIM; d++) mean[d] = sum * v[DIM * a + d];
-  for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1]; k++) {
-    const PetscInt   b = cloud->list[k];
-    const PetscReal *y = cloud->field[FIELD_POSITION] + DIM * b, r[DIM] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
-
-    if (cloud->integer[INT_LAYER][b]) continue;
-    r2 = Dot(r, r) / PetscSqr(CloudPairSize(cloud, a, b));
-    KernelEvaluate(cloud->kernel, 1, &r2, &W, NULL);
-    sum += W;
-    for (PetscInt d = 0; d < DIM; d++) mean[d] += W * v[DIM * b + d];
-  }
-  for (PetscInt d = 0; d < DIM; d++) mean[d] /= sum;
 }
 
 PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], PetscReal *energy)
@@ -133,7 +146,7 @@ PetscErrorCode OutletsCalm(const Outlets *outlets, PetscReal dt, PetscReal v[], 
 
     if (!cloud->integer[INT_SURFACE][a] || CloudPushes(cloud, a) || OutletsPressure(outlets, a, NULL) == 0) continue;
     before = Dot(u, u);
-    MeanAround(cloud, a, v, mean);
+    MeanAround(cloud, a, DIM, v, mean);
     for (PetscInt d = 0; d < DIM; d++) u[d] += share * (mean[d] - u[d]);
     *energy += 0.5 * cloud->volume[a] * cloud->rest_density[a] * (Dot(u, u) - before);
   }
