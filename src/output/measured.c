@@ -66,9 +66,11 @@ static PetscErrorCode ReadFields(Output output, Snapshot *snapshot, const PetscI
 {
   ParticleArrays arrays;
   double        *values;
+  PetscInt       widest = 1;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(DIM * snapshot->rows.n + 1, &values));
+  for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) widest = PetscMax(widest, Fields[f].width);
+  PetscCall(PetscMalloc1(widest * snapshot->rows.n + 1, &values));
   PetscCall(ParticlesOpen(output->cloud->particles, &arrays));
   for (PetscInt f = 0; f < FIELD_STORED_COUNT; f++) {
     const PetscInt width = snapshot->rows.width = Fields[f].width;

@@ -93,12 +93,13 @@ class Run:
         return sorted(re.sub(r"[-+\d.e]*\d", "#", line) for line in
                       re.findall(r"^t = +\S+ \S+: (.*)", self.text("log.txt"), re.M))
 
-    def table(self, name):
-        """The columns of a table by their names without units, or none."""
+    def table(self, name, kind=None):
+        """The columns of a table by their names without units, or none; kind: of the file that has the same columns."""
         if not os.path.exists(os.path.join(self.folder, name)):
             return {}
         rows = np.genfromtxt(os.path.join(self.folder, name), delimiter=",", names=True, deletechars="")
-        heads = {c["head"]: c["name"] for c in json.loads(self.text("scene.json"))["columns"] if c["file"] == name}
+        heads = {c["head"]: c["name"] for c in json.loads(self.text("scene.json"))["columns"]
+                 if c["file"] == (kind or name)}
         return {heads[head]: np.atleast_1d(rows[head]) for head in rows.dtype.names}
 
 

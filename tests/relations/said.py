@@ -17,6 +17,7 @@ ALL = 100  # % of the energy exchanged: an impact may lose much of it, but no mo
 FULL = 1.2  # of the fillings of an emitter, whose inlet has whole particles
 UNSEEN = 0.01  # % of the energy exchanged, which rounding and the solver may leave
 NUMERIC = ("real", "int", "numbers", "point", "direction")  # kinds of options
+AFTER = 0.01  # of the largest value of a column, which is read from a snapshot
 SAID = 0.2  # of the steps, by which a dry run may be wrong, or two
 
 
@@ -110,8 +111,19 @@ def told(t):
                     series[f"{name}_mean"][-1])
     doubts = t.longer.doubts()
     wrong += [f"said more than once: {doubt}" for doubt in sorted(set(doubts)) if doubts.count(doubt) > 1]
-    wrong += tried_dry(t) + counted(t, scene)
+    wrong += tried_dry(t) + counted(t, scene) + afterwards(run)
     return wrong[:4]
+
+
+def afterwards(run):
+    """-measure finds in the snapshots what the run has measured; that of gas and free solids is refused."""
+    done = runs.start(["-measure", run.folder])
+    if done.returncode:
+        return [f"-measure: {done.stderr.strip()[-200:]}"] * ("-measure cannot be used with" not in done.stderr)
+    after, series = run.table("measured.csv", "series.csv"), run.table("series.csv")
+    return [f"-measure: {name} {after[name][-1]:.6g}, the run {series[name][-1]:.6g}" for name in after if not
+            np.isclose(after[name][-1], series[name][-1], SLACK, AFTER * np.nanmax(np.abs(series[name]), initial=0),
+                       equal_nan=True)]
 
 
 def counted(t, scene):
