@@ -30,7 +30,9 @@ typedef struct {
   PetscInt  liquid;
   PetscInt  emits; /* 0: no emitter; else 1 and the fillings so far */
   PetscReal spacing, velocity[DIM], force[DIM];
-  PetscBool near; /* a surface is */
+  PetscInt  member; /* the body of liquid */
+  PetscReal x[DIM]; /* m, in the box */
+  PetscBool near;   /* a surface is */
 } Place;
 
 /* A map of the space: x -> turn (x - center) + center + shift. */
@@ -62,6 +64,7 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
     parity[d] = model->folded[d] && at[d] < model->center[d] ? -1 : 1;
     x[d]      = model->center[d] + parity[d] * (at[d] - model->center[d]);
   }
+  for (PetscInt d = 0; d < DIM; d++) place->x[d] = x[d];
   wall        = SceneSolidDistance(scene, x, &solid);
   place->near = (PetscBool)(PetscAbsReal(wall) < near);
   if (wall < 0) {
@@ -76,6 +79,7 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
     place->near = (PetscBool)(place->near || PetscAbsReal(distance) < near);
     if (distance >= 0) continue;
     place->body   = body;
+    place->member = b;
     place->liquid = SceneLiquid(scene, b);
     place->emits  = BodyComesLater(body) ? 1 + BodyFillings(body, time) : 0;
     if (BodyComesLater(body))
@@ -106,6 +110,21 @@ static PetscReal Difference(const Map *map, const PetscReal v[DIM], const PetscR
   return Norm(turned);
 }
 
+/* Whether liquid at both places has the same at the start of all that it carries and that a mirror does not turn. */
+static PetscBool CarriesAlike(Scene scene, const Place *one, const Place *other)
+{
+  for (const Edge *const *edge = StepEdges; *edge; edge++)
+    for (const EdgeField *row = (*edge)->fields; row && row->needed; row++) {
+      PetscReal a, b;
+
+      if (!row->start || Fields[row->field].width > 1 || !row->needed(scene, NULL)) continue;
+      row->start(scene, one->member, one->x, &a);
+      row->start(scene, other->member, other->x, &b);
+      if (PetscAbsReal(a - b) > SAME * PetscMax(PetscAbsReal(a), PetscAbsReal(b))) return PETSC_FALSE;
+    }
+  return PETSC_TRUE;
+}
+
 /* Whether x and its image are alike. */
 static PetscBool Alike(const Model *model, PetscReal time, const Map *map, const PetscReal x[DIM], const char **what)
 {
@@ -122,6 +141,8 @@ static PetscBool Alike(const Model *model, PetscReal time, const Map *map, const
   if (!BodiesAlike(one.body, other.body) || one.liquid != other.liquid || one.emits != other.emits ||
       PetscAbsReal(one.spacing - other.spacing) > NEAR * model->sim->domain->spacing)
     return PETSC_FALSE;
+  *what = "what liquid carries differs";
+  if (one.body->own.owner == OWNER_BODY && !CarriesAlike(model->sim->scene, &one, &other)) return PETSC_FALSE;
   *what = "velocities differ";
   if (Difference(map, one.velocity, other.velocity) > SAME * model->speed) return PETSC_FALSE;
   *what = "forces differ";

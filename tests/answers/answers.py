@@ -107,6 +107,8 @@ HOLDS = (
     ("law_of_the_line", LAW + "-wall_contact_law cox_voinov", "", "viscosity"),
     ("static_line", LAW, "viscosity", ""),
     ("same_angle_said_twice", ANGLE + "-box_xmin_contact_angle 60", "rings", ""),
+    ("hot_on_one_side", TANK.format("0.5") + "-a_temperature 300 -a_temperature_gradient 10,0,0", "across y",
+     "rings, across x"),
     ("another_angle", ANGLE + "-box_xmin_contact_angle 70", "across y", "rings, across x"))
 # Liquid like that around it, which an interface tension keeps apart.
 DROP_IN_LIKE = "-dimension 2 -spacing 0.05 -box_lower -1,0 -box_upper 1,1 -box_x wall -box_ymin wall -bodies a,b " \
