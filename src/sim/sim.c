@@ -262,7 +262,8 @@ PetscErrorCode SimSetUp(Sim sim)
     PetscCall(StartAtRest(sim, turned));
     PetscCall(BudgetStart(sim));
     sim->restart[0] = 0; /* the run of the rings ends here, and this one begins */
-  }
+  } else
+    PetscCall(BudgetRestart(sim));
   if (!sim->dry_run && !SimMeasures(sim) && sim->writes) {
     char path[PETSC_MAX_PATH_LEN];
 
@@ -346,6 +347,7 @@ PetscErrorCode SimCheckpoint(Sim sim)
   PetscCall(PetscLogStagePush(LogStage(STAGE_OUTPUT)));
   PetscCall(CloudResync(sim->cloud));
   PetscCall(StepperReset(sim->stepper, PETSC_FALSE, &sim->state));
+  PetscCall(BudgetKeep(sim));
   PetscCall(OutputCheckpoint(sim->output, &sim->state));
   PetscCall(PetscLogStagePop());
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -459,8 +461,10 @@ static PetscErrorCode WriteStep(Sim sim, PetscBool clock)
     }
     if (last || OutputCheckpointDue(sim->output, &sim->state))
       PetscCall(SimCheckpoint(sim));
-    else if (clock)
+    else if (clock) {
+      PetscCall(BudgetKeep(sim));
       PetscCall(OutputByClock(sim->output, &sim->state));
+    }
   }
   PetscCall(ProgressStep(sim, &sim->progress, last));
   PetscCall(MonitorStep(sim));

@@ -73,6 +73,10 @@ PetscErrorCode BudgetStart(Sim sim);
 /* BudgetChanged - counts the energy of a state that another program has changed; before: the totals until then.
    Collective. */
 PetscErrorCode BudgetChanged(Sim sim, const GaugeTotals *before);
+/* BudgetKeep - keeps the potential energy in the state before it is written. BudgetRestart - counts by how much the
+   options of a restart have changed it: of gravity, for one. Collective. */
+PetscErrorCode BudgetKeep(Sim sim);
+PetscErrorCode BudgetRestart(Sim sim);
 /* BudgetReport - prints density error, divergence, energy residual and volume of the present state against the start,
    and the dominant error. Collective. */
 PetscErrorCode BudgetReport(Sim sim);

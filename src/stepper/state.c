@@ -27,6 +27,7 @@ const NumberRow StateRows[] = {
   NUMBER(divergence, NUMBER_MAYBE),
   NUMBER(solver_error, NUMBER_REAL),
   NUMBER(start_energy, NUMBER_REAL),
+  NUMBER(potential_energy, NUMBER_REAL),
   NUMBER(start_surface, NUMBER_REAL),
   NUMBER(kinetic_energy, NUMBER_REAL),
   NUMBER(kinetic_most, NUMBER_SPAN),
@@ -40,7 +41,7 @@ const NumberRow StateRows[] = {
   ENERGY(solid_work, ENERGY_GIVEN, "the pressure of solids that move"),
   ENERGY(drive_work, ENERGY_GIVEN, "gravity along periodic directions and shaking"),
   ENERGY(outflow_energy, ENERGY_TAKEN, "what left through open faces"),
-  ENERGY(given_energy, ENERGY_BROUGHT, "the program that changed the liquid"),
+  ENERGY(given_energy, ENERGY_BROUGHT, "a changed scene or program"),
   {.name = NULL},
 };
 

@@ -24,13 +24,14 @@ typedef struct {
   PetscReal solid_work;         /* done on the fluid by the pressure of solids that move so far, J */
   PetscReal drive_work;         /* done by SceneDrive so far, J */
   PetscReal outflow_energy;     /* kinetic + potential of what left through open faces so far, J */
-  PetscReal given_energy;       /* kinetic + potential that a program of isph.h gave the liquid so far, J */
+  PetscReal given_energy;       /* kinetic + potential that the liquid got between steps so far, J */
   PetscReal tension_swing;      /* sum over the steps of |work of surface tension|, J */
   PetscReal friction_work;      /* the part of viscous_work done by walls and solids that move, J */
   PetscReal kinetic_energy;     /* of the fluid at the end of the step, J */
   PetscReal kinetic_most;       /* the largest of these so far, J */
   PetscReal given, taken;       /* sums over the steps of the energy that the fluid's motion gained and lost, J */
   PetscReal start_energy;       /* kinetic + potential at the start of the run, J */
+  PetscReal potential_energy;   /* of the fluid when the state was written, J */
   PetscReal start_surface;      /* surface_energy at the start of the run, J */
   PetscReal start_density;      /* density_mean at the start */
   PetscInt  rejected;           /* steps rolled back so far */

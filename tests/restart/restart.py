@@ -134,6 +134,17 @@ def inside():
                f"code {process.returncode}, {len(before)} lines before, {len(after)} after; {process.stderr[-300:]}")
 
 
+def other_gravity():
+    """Options may change at a restart, and the budget counts what a changed force does to the energy of a tank at rest."""
+    tank = SHAKEN + "-gravity_amplitude 0,0 "
+    folder = runs.run(tank + "-steps_max 4", "gravity", 1)
+    for name, options in (("half", "-gravity 0,-5"), ("same", "-time_cfl 0.1")):
+        process = runs.start(f"{tank} {options} -steps_max 4 -restart {folder} -output_dir {runs.scratch(name)}")
+        runs.check("within the error of its measurement" in process.stdout and
+                   ("a changed scene" in process.stdout) == (name == "half"), f"gravity_{name}",
+                   process.stdout[process.stdout.find("  energy"):][:500] + process.stderr[-300:])
+
+
 def killed_by(name, scene, ranks, end):
     """Kills a run when it has written a checkpoint by the clock after its fifth step; the step of it, and its path."""
     folder = runs.scratch(name)
@@ -185,7 +196,7 @@ SCENES = {"impact": (IMPACT, 1e-3, 1, []), "impact_parallel": (IMPACT, 1e-3, 2, 
           "rings": (RINGS, 1e-3, 2, [1]), "lens": (LENS, 1e-3, 1, [2]),
           "tori": (TORI, 1e-3, 1, [3]), "graded": (GRADED, 1e-3, 2, [1]), "graded_tori": (GRADED_TORI, 1e-3, 2, [1]),
           "following": (FOLLOWING, 1e-3, 2, [1]), "following_tori": (FOLLOWING_TORI, 1e-3, 1, [2])}
-ALONE = {"inside": inside, "clock": clock}
+ALONE = {"inside": inside, "clock": clock, "gravity": other_gravity}
 for part in runs.parts(*SCENES, *ALONE):
     if part in ALONE:
         ALONE[part]()
