@@ -1,7 +1,9 @@
 #include "stepper_impl.h"
 
 #define FACING 0.95 /* cosine of the angle within which two surfaces are the sides of a gap; no reference */
-#define TOUCH  1e-9 /* of the guard's distance, so that both sides of a gap stop a particle in its middle */
+/* of the guard's distance, within which a particle touches a wall: both sides of a gap stop one in its middle, and
+   rounding does not decide about one that its shift has taken just there */
+#define TOUCH 1e-9
 
 /* What faces the solid at x (m), s (m) out of it along n: the least distance (m) from x of a wall or another solid on
    the other side of a gap. */
@@ -47,7 +49,7 @@ static void GuardGaps(Cloud cloud, PetscReal distance, PetscReal x[], PetscReal 
     w = Opposite(cloud, solid, x + DIM * a, n);
     if (w + s >= 2 * least) continue;
     for (PetscInt d = 0; d < DIM; d++) x[DIM * a + d] += 0.5 * (w - s) * n[d];
-    room[a] = 0.5 * (w + s) + TOUCH * least;
+    room[a] = 0.5 * (w + s);
   }
 }
 
@@ -62,8 +64,8 @@ static void GuardFace(Cloud cloud, PetscInt d, PetscInt side, const PetscReal ro
   for (PetscInt k = d; k < DIM * cloud->n_fluid; k += DIM) {
     const PetscReal least = room[k / DIM];
 
-    if (wall && inwards * (x[k] - at) < least) {
-      x[k] = at + inwards * least;
+    if (wall && inwards * (x[k] - at) < (1 + TOUCH) * least) {
+      x[k] = at + inwards * PetscMax(least, inwards * (x[k] - at));
       if (inwards * (v[k] - wall_velocity) < 0) v[k] = wall_velocity;
     } else if (!wall && inwards * (x[k] - at) < 0) {
       x[k] = 2 * at - x[k];
@@ -80,10 +82,11 @@ static PetscErrorCode GuardSolids(Stepper stepper, const PetscReal room[], Petsc
   PetscFunctionBegin;
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
     PetscInt        solid = 0;
-    const PetscReal deep  = room[a] - SceneSolidWithin(cloud->scene, room[a], x + DIM * a, &solid);
-    PetscReal       n[DIM], u[DIM], image[DIM], taken[DIM], inwards;
+    const PetscReal touch = (1 + TOUCH) * room[a], s = SceneSolidWithin(cloud->scene, touch, x + DIM * a, &solid),
+                    deep = PetscMax(0, room[a] - s);
+    PetscReal n[DIM], u[DIM], image[DIM], taken[DIM], inwards;
 
-    if (deep <= 0) continue;
+    if (s >= touch) continue;
     (void)BodyNearest(SceneSolid(cloud->scene, solid), x + DIM * a, image);
     SceneSolidVelocity(cloud->scene, solid, image, u);
     SceneSolidNormal(cloud->scene, x + DIM * a, n);
