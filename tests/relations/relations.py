@@ -37,8 +37,9 @@ LEAST = {2: 60, 3: 200}        # particles of liquid that it must have
 STEPS = {2: 10, 3: 6}
 TIGHT = {"ksp_rtol": "1e-12"}  # and of implicit viscosity, where the scene has it:
 TIGHT_VISCOUS = {"viscous_ksp_rtol": "1e-13"}
-CLOSE = 2e-5                   # spacings, of places and of velocities times the time of the run: the weights of pairs
-#                                have 16 bits, and rounding may turn one by 8e-6; what was wrong was 2e-4 and more
+CLOSE = 5e-5                   # spacings, of places and of velocities times the time of the run: the weights of pairs
+#                                have 16 bits, and rounding may turn one by 8e-6, a few in the settling of a packing by
+#                                2.3e-5 (random/152); what was wrong was 2e-4 and more
 HALF = 1e-6                    # of the kinetic energy, by which a half may differ
 MANY = 10                      # what differs by more may differ by so many times what the scene itself does where it is
 JOLTS, ELSEWHERE = (1e-9, -2e-8, 3e-8), (3.77, 100.3, -330.7)  # shifted by so many spacings: rounding turns weights of
@@ -264,6 +265,11 @@ def chance(t, scene, one):
     return max((max(max(pair) for pair in pairs) for pairs in apart if pairs), default=0.0)
 
 
+def close_by_chance(t, scene, one, other):
+    """The same as close, but for what rounding does to the scene."""
+    return close(scene, one, other) and close(scene, one, other, limit=max(CLOSE, MANY * chance(t, scene, one)))
+
+
 # --- the relations: each returns what is wrong ---
 
 def dump(t):
@@ -311,9 +317,7 @@ def ranks(t):
         one = t.run(scene, start)
     n = 2 + zlib.crc32(t.scene.name.encode()) % 3
     other = t.run(scene, start, ranks=n)
-    wrong = close(scene, one, other)
-    if wrong and not start:
-        wrong = close(scene, one, other, limit=max(CLOSE, MANY * chance(t, scene, one)))
+    wrong = close(scene, one, other) if start else close_by_chance(t, scene, one, other)
     said_otherwise = [f"it says {other.doubts()}, not {one.doubts()}"] * (one.doubts() != other.doubts())
     return [f"on {n}: {why}" for why in wrong or added_up(one, other) + said_otherwise]
 
@@ -329,7 +333,7 @@ def bodies(t):
     if "interface_tension" in t.scene.options and "interface_bodies" not in t.scene.options:
         changes["interface_bodies"] = t.scene.names("bodies")[1]
     scene, one = t.even
-    return close(scene, one, t.run(scene.explicit().copy(**changes)))
+    return close_by_chance(t, scene, one, t.run(scene.explicit().copy(**changes)))
 
 
 def options(t):
@@ -531,7 +535,11 @@ def stream(t):
     # the time in which density errors are corrected follows from the scene's speeds, too
     fixed = scene.copy(time_step=[dt], pressure_relaxation_time=[20 * dt])
     moving = fixed.copy(**{name: way + scene.vector(name)[:scene.dim] for name in movers})
-    return close(scene, t.run(fixed), t.run(moving), lambda x, v, time: (x + way * time, v + way),
+    try:
+        other = t.run(moving)
+    except RuntimeError as error:
+        raise (Unfit("a solid ends at a face of the axis") if "moves out of the box" in str(error) else error)
+    return close(scene, t.run(fixed), other, lambda x, v, time: (x + way * time, v + way),
                  limit=AMONG_WALLS if walls or "gas" in scene.options else CLOSE)  # gas has cells, which stand
 
 
