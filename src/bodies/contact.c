@@ -409,20 +409,23 @@ static PetscInt PairOf(Scene scene, const Place *place)
   return PetscMax(one, other) * solids + PetscMin(one, other);
 }
 
-/* The least velocity (m/s) along n after a hit of a place that approaches and is 'behind' (m) the first of its pair. */
-static PetscReal Rebound(const Place *place, PetscReal spacing, PetscReal rebound, PetscReal approach, PetscReal behind)
+/* The least velocity (m/s) along n after a hit of a place that approaches and is 'behind' (m) the first of its pair.
+   leaves: velocity with which it rebounds (m/s). */
+static PetscReal Rebound(const Place *place, PetscReal spacing, PetscReal leaves, PetscReal approach, PetscReal behind)
 {
   const PetscReal reach = (place->aside > 0 ? TIE : TOGETHER) * spacing,
                   share = PetscMin(1, PetscMax(0, 2 - behind / reach));
 
-  return (share * (1 + rebound) - 1) * approach;
+  return share * (leaves + approach) - approach;
 }
 
 /* Sets the aims of the places, and raises 'fastest' (m/s) to their largest velocity. first[pairs]: the gap (m) of the
-   first place of a pair that hits, else -PETSC_MAX_REAL; approach[n]: m/s, into the other one. */
+   first place of a pair that hits, else -PETSC_MAX_REAL; approach[n]: m/s, into the other one. before: the motions at
+   the start of the step, from which bodies rebound (Moreau): what their weight adds in it raised a ball with each hit.
+ */
 static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal usual, PetscReal leave,
-                    const PetscReal motion[], PetscInt pairs, PetscReal first[], PetscInt n, PetscReal approach[],
-                    Place place[], PetscReal *fastest)
+                    const PetscReal before[], const PetscReal motion[], PetscInt pairs, PetscReal first[], PetscInt n,
+                    PetscReal approach[], Place place[], PetscReal *fastest)
 {
   for (PetscInt p = 0; p < pairs; p++) first[p] = -PETSC_MAX_REAL; /* the pair does not hit */
   for (PetscInt k = 0; k < n; k++) {
@@ -444,11 +447,14 @@ static void SetAims(Scene scene, PetscReal spacing, PetscReal dt, PetscReal usua
       first[pair] = first[pair] == -PETSC_MAX_REAL ? gap : PetscMin(first[pair], gap);
   }
   for (PetscInt k = 0; k < n; k++) {
-    const PetscReal before = first[PairOf(scene, &place[k])];
+    const PetscReal nearest = first[PairOf(scene, &place[k])];
+    PetscReal       v[DIM];
 
-    if (approach[k] > 0 && before > -PETSC_MAX_REAL)
-      place[k].aim = PetscMax(place[k].aim, Rebound(&place[k], spacing, Pair(scene, &place[k], FreeRestitution),
-                                                    approach[k], place[k].gap - before));
+    if (approach[k] <= 0 || nearest == -PETSC_MAX_REAL) continue;
+    Apart(scene, &place[k], before, v);
+    place[k].aim =
+      PetscMax(place[k].aim, Rebound(&place[k], spacing, -Pair(scene, &place[k], FreeRestitution) * Dot(v, place[k].n),
+                                     approach[k], place[k].gap - nearest));
   }
 }
 
@@ -478,8 +484,8 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal us
 {
   const Scene     scene  = cloud->scene;
   const PetscInt  solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
-  const PetscReal spacing = cloud->domain->spacing;
-  PetscReal       fastest = 0, change = 1, *first, *approach;
+  const PetscReal spacing                                  = cloud->domain->spacing;
+  PetscReal       before[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0}, fastest = 0, change = 1, *first, *approach;
   PetscInt        n = 0;
   Place          *place;
 
@@ -487,7 +493,12 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal us
   PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * SceneSolidCount(scene)));
   PetscCall(FindPlaces(cloud, time, motion, dt, &n, &place));
   PetscCall(PetscMalloc2(pairs, &first, n, &approach));
-  SetAims(scene, spacing, dt, usual, leave, motion, pairs, first, n, approach, place, &fastest);
+  for (PetscInt b = 0; b < solids; b++) {
+    PetscReal center[DIM];
+
+    if (IsFree(scene, b)) FreeMotion(SceneSolid(scene, b), center, before + RIGID_MOTIONS * b);
+  }
+  SetAims(scene, spacing, dt, usual, leave, before, motion, pairs, first, n, approach, place, &fastest);
   for (PetscInt sweep = 0; sweep < SWEEPS && change > DONE * fastest; sweep++) {
     change = 0;
     for (PetscInt k = 0; k < n; k++) {

@@ -81,6 +81,14 @@ def dry():
     runs.check_within(x[late].min() / x[0], 0.99, 1.001, "a ball swings in a trough")
     due = 2 * np.pi * np.sqrt(0.6 / G) * (1 + np.radians(20)**2 / 16)
     runs.check_within(s["time"][late][np.argmin(x[late])] / due, 0.99, 1.01, "its period")
+    # What rebounds whole comes back to its height, again and again.
+    s = runs.series(runs.run(DRY.replace("-time_step_max 2e-3", "") + f"""-gravity 0,{-G} -a_lower 0.2,0.2 -a_upper 0.4,0.3
+ -a_mass 20 -a_restitution 1 -b_shape sphere -b_radius 0.1 -b_center 0.8,0.3 -b_mass 20 -b_restitution 1
+ -time_end 1.4""", "bounce"))
+    for body in "ab":
+        y = columns(s, body)[1]
+        high = (y[s["time"] > 1].max() - y[0]) / 0.2
+        runs.check_below(abs(high), 0.01, f"height after three rebounds, {body}")
     # Without friction a ball that spins goes on to spin when it has hit the floor.
     s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -a_shape sphere -a_radius 0.1 -a_center 0.8,0.2 -a_mass 31.4
  -a_rotation_rate 20 -a_restitution 0.6 -b_lower 0.1,0 -b_upper 0.3,0.1 -b_mass 20 -time_end 0.25""", "spin"))
