@@ -36,10 +36,11 @@ PetscErrorCode FreeViscousDrag(const Step *step, const PetscReal velocity[]);
 /* FreeTouch - changes the motions of the free bodies, motion[solids][RIGID_MOTIONS], so that they do not enter walls,
    solids and each other in a step of dt (s) that ends at a time (s), nor close a gap of a spacing within 'leave' (s),
    nor leave an overlap faster than in steps of 'usual' (s), and gives sum[solids][RIGID_MOTIONS] the impulses (N s, N m
-   s) that do it; the same on every rank. hit: is set, unless it has been seen before. Collective. FreeFriction,
-   FreeRestitution - the coefficients of a free body. Not collective. */
+   s) that do it; the same on every rank. before: the motions at the start of the step, from which they rebound. hit: is
+   set, unless it has been seen before. Collective. FreeFriction, FreeRestitution - the coefficients of a free body. Not
+   collective. */
 PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal usual, PetscReal leave,
-                         PetscReal motion[], PetscReal sum[], HitTogether *hit);
+                         const PetscReal before[], PetscReal motion[], PetscReal sum[], HitTogether *hit);
 PetscReal      FreeFriction(Body solid);
 PetscReal      FreeRestitution(Body solid);
 

@@ -480,12 +480,12 @@ static void FindTogether(Scene scene, PetscReal least, const PetscReal first[], 
 }
 
 PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal usual, PetscReal leave,
-                         PetscReal motion[], PetscReal sum[], HitTogether *hit)
+                         const PetscReal before[], PetscReal motion[], PetscReal sum[], HitTogether *hit)
 {
   const Scene     scene  = cloud->scene;
   const PetscInt  solids = SceneSolidCount(scene), pairs = (solids + 2 * DIM) * solids;
-  const PetscReal spacing                                  = cloud->domain->spacing;
-  PetscReal       before[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0}, fastest = 0, change = 1, *first, *approach;
+  const PetscReal spacing = cloud->domain->spacing;
+  PetscReal       fastest = 0, change = 1, *first, *approach;
   PetscInt        n = 0;
   Place          *place;
 
@@ -493,11 +493,6 @@ PetscErrorCode FreeTouch(Cloud cloud, PetscReal time, PetscReal dt, PetscReal us
   PetscCall(PetscArrayzero(sum, RIGID_MOTIONS * SceneSolidCount(scene)));
   PetscCall(FindPlaces(cloud, time, motion, dt, &n, &place));
   PetscCall(PetscMalloc2(pairs, &first, n, &approach));
-  for (PetscInt b = 0; b < solids; b++) {
-    PetscReal center[DIM];
-
-    if (IsFree(scene, b)) FreeMotion(SceneSolid(scene, b), center, before + RIGID_MOTIONS * b);
-  }
   SetAims(scene, spacing, dt, usual, leave, before, motion, pairs, first, n, approach, place, &fastest);
   for (PetscInt sweep = 0; sweep < SWEEPS && change > DONE * fastest; sweep++) {
     change = 0;

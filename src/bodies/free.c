@@ -69,18 +69,22 @@ static void Pushed(const Step *step, PetscInt solid, PetscBool pressed, PetscRea
 
 static PetscErrorCode Predict(const Step *step)
 {
-  const PetscReal dt                                        = step->dt;
-  Cloud           cloud                                     = step->cloud;
-  FreeData       *data                                      = (FreeData *)step->own;
-  PetscReal       motions[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0};
+  const PetscReal dt                                       = step->dt;
+  Cloud           cloud                                    = step->cloud;
+  FreeData       *data                                     = (FreeData *)step->own;
+  PetscReal       before[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0}, motions[RIGID_MOTIONS * SCENE_MAX_BODIES] = {0};
 
   PetscFunctionBegin;
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid = SceneSolid(cloud->scene, b);
 
-    if (BodyMass(solid) > 0) Pushed(step, b, PETSC_TRUE, motions + RIGID_MOTIONS * b);
+    PetscReal center[DIM];
+
+    if (BodyMass(solid) == 0) continue;
+    FreeMotion(solid, center, before + RIGID_MOTIONS * b);
+    Pushed(step, b, PETSC_TRUE, motions + RIGID_MOTIONS * b);
   }
-  PetscCall(FreeTouch(cloud, step->time + dt, dt, step->usual, PressureRelaxationTime(step->pressure), motions,
+  PetscCall(FreeTouch(cloud, step->time + dt, dt, step->usual, PressureRelaxationTime(step->pressure), before, motions,
                       data->contact, &data->hit));
   for (PetscInt b = 0; b < SceneSolidCount(cloud->scene); b++) {
     const Body solid  = SceneSolid(cloud->scene, b);

@@ -7,7 +7,6 @@
 #define DENSITY_FINE  1e-3 /* rms density error that needs no remedy */
 #define TENSION_SHARE 0.4  /* relative error of the measured work of surface tension at R/d0 = 8 */
 #define ROW_SHARE     0.01 /* of a spacing, to which the height of the liquid is known: tanks at rest 0.003 to 0.006 */
-#define ROUNDING      1e-9 /* relative, of sums over the particles of other ranks */
 #define LINE_LENGTH   512
 
 /* Of the whole scene (J). */
@@ -83,7 +82,8 @@ PetscErrorCode BudgetRestart(Sim sim)
 
   PetscFunctionBegin;
   PetscCall(GaugesTotals(sim->gauges, &totals));
-  if (PetscAbsReal(totals.potential_energy - kept) > ROUNDING * (PetscAbsReal(kept) + RowLift(sim, &totals)))
+  if (PetscAbsReal(totals.potential_energy - kept) >
+      PETSC_SQRT_MACHINE_EPSILON * (PetscAbsReal(kept) + RowLift(sim, &totals)))
     sim->state.given_energy += totals.potential_energy - kept;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -135,7 +135,7 @@ def inside():
 
 
 def other_gravity():
-    """Options may change at a restart, and the budget counts what a changed force does to the energy of a tank at rest."""
+    """Options may change at a restart, and the budget counts the energy that another gravity brings."""
     tank = SHAKEN + "-gravity_amplitude 0,0 "
     folder = runs.run(tank + "-steps_max 4", "gravity", 1)
     for name, options in (("half", "-gravity 0,-5"), ("same", "-time_cfl 0.1")):

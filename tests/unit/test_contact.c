@@ -21,6 +21,7 @@ static PetscErrorCode Touch(const char options[], const PetscReal given[][DIM], 
 {
   const PetscInt turning = RIGID_MOTIONS - 1;
   HitTogether    none    = {.seen = PETSC_FALSE};
+  PetscReal      before[SCENE_MAX_BODIES * RIGID_MOTIONS];
   Setup          s;
 
   PetscFunctionBegin;
@@ -30,7 +31,8 @@ static PetscErrorCode Touch(const char options[], const PetscReal given[][DIM], 
     for (PetscInt d = 0; d < 2; d++) motion[RIGID_MOTIONS * k + d] = given[k][d];
     motion[RIGID_MOTIONS * k + turning] = given[k][2];
   }
-  PetscCall(FreeTouch(s.cloud, 0, DT, DT, LEAVE, motion, sum, hit ? hit : &none));
+  PetscCall(PetscArraycpy(before, motion, RIGID_MOTIONS * SceneSolidCount(s.scene)));
+  PetscCall(FreeTouch(s.cloud, 0, DT, DT, LEAVE, before, motion, sum, hit ? hit : &none));
   PetscCall(SetupClose(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

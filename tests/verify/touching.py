@@ -74,16 +74,18 @@ def dry():
         u = s[next(n for n in s.dtype.names if n.startswith(f"a_velocity_{across}"))]
         runs.check_within(u[-1] / (5 / 7 * g * s["time"][-1]), 0.98, 1.02, f"speed of a sphere that rolls, {across}")
     # A ball slides to and fro in a round trough, without friction: nothing ahead of it stops it.
-    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -b_lower 0.1,0 -b_upper 1.5,0.6 -b_holes round -round_shape sphere
- -round_radius 0.7 -round_center 0.8,0.84 -a_shape sphere -a_radius 0.1 -a_center 0.594788,0.276184 -a_mass 20
+    s = runs.series(runs.run(DRY + f"""-gravity 0,{-G} -b_lower 0.1,0 -b_upper 1.5,0.6 -b_holes round
+ -round_shape sphere -round_radius 0.7 -round_center 0.8,0.84 -a_shape sphere -a_radius 0.1
+ -a_center 0.594788,0.276184 -a_mass 20
  -time_end 1.6""", "trough"))
     x, late = columns(s, "a")[0] - 0.8, s["time"] > 1.2
     runs.check_within(x[late].min() / x[0], 0.99, 1.001, "a ball swings in a trough")
     due = 2 * np.pi * np.sqrt(0.6 / G) * (1 + np.radians(20)**2 / 16)
     runs.check_within(s["time"][late][np.argmin(x[late])] / due, 0.99, 1.01, "its period")
     # What rebounds whole comes back to its height, again and again.
-    s = runs.series(runs.run(DRY.replace("-time_step_max 2e-3", "") + f"""-gravity 0,{-G} -a_lower 0.2,0.2 -a_upper 0.4,0.3
- -a_mass 20 -a_restitution 1 -b_shape sphere -b_radius 0.1 -b_center 0.8,0.3 -b_mass 20 -b_restitution 1
+    s = runs.series(runs.run(DRY.replace("-time_step_max 2e-3", "") + f"""-gravity 0,{-G} -a_lower 0.2,0.2
+ -a_upper 0.4,0.3 -a_mass 20 -a_restitution 1 -b_shape sphere -b_radius 0.1 -b_center 0.8,0.3 -b_mass 20
+ -b_restitution 1
  -time_end 1.4""", "bounce"))
     for body in "ab":
         y = columns(s, body)[1]
@@ -140,8 +142,9 @@ PUSHED = TANK.replace("1.2,", "1.6,").replace("1.6,0.4", "1.6,0.5") + """-solids
 STACK = TANK + """-solids low,high -low_lower 0.4,0.03 -low_upper 0.8,0.17 -low_mass 112 -low_friction 0.5
  -high_lower 0.45,0.2 -high_upper 0.75,0.34 -high_mass 84 -high_friction 0.5 """
 
-DEEP = TANK.replace("0.4 -series", "0.6 -series") + """-solids low,high -low_lower 0.4,0 -low_upper 0.8,0.1 -low_mass 80
- -high_lower 0.45,0.1 -high_upper 0.75,0.2 -high_mass 60 -water_viscosity 1 -time_end 0.5 -checkpoint_interval 0 """
+DEEP = TANK.replace("0.4 -series", "0.6 -series") + """-solids low,high -low_lower 0.4,0 -low_upper 0.8,0.1
+ -low_mass 80 -high_lower 0.45,0.1 -high_upper 0.75,0.2 -high_mass 60 -water_viscosity 1 -time_end 0.5
+ -checkpoint_interval 0 """
 
 
 def tank():
