@@ -72,8 +72,9 @@ PetscErrorCode StartAtRest(Sim sim, PetscBool turned)
     PetscCall(StepperSettle(sim->stepper));
   else
     PetscFunctionReturn(PETSC_SUCCESS);
-  /* nothing remains but the positions */
+  /* nothing remains but the positions, at which what liquid carries starts */
   PetscCall(ParticlesOpen(sim->particles, &arrays));
+  if (!turned) ParticlesStart(sim->particles, 0, &arrays);
   PetscCall(PetscArrayzero(arrays.real[FIELD_PRESSURE], arrays.n));
   PetscCall(ParticlesClose(sim->particles, &arrays));
   PetscCall(turned ? CloudResync(sim->cloud) : PackingSetVelocities(sim->packing));
