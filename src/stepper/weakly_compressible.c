@@ -18,7 +18,7 @@
 #define RELAXATION_RATIO 25
 #define MACH             0.1 /* the scene's velocity over the speed of sound: density within 1 % (Monaghan 1994) */
 #define DIFFUSION        0.1 /* delta of the diffusion delta h c lap rho of the density (Molteni & Colagrossi 2009) */
-#define SOUND_CFL        0.4 /* (speed of sound + largest speed) times time step over h; no reference */
+#define SOUND_CFL        0.4 /* (speed of sound + largest speed) times time step over h; Monaghan 1992 */
 
 typedef struct {
   Consistent base;
