@@ -226,12 +226,14 @@ static PetscErrorCode MeasureEnergy(PC pc, TwoLevel *two, const PetscReal surplu
 }
 
 /* Sets up the inner solver. Its levels read their defaults from the options database only, so the defaults are there
-   during the set-up. */
+   during the set-up. A piece of liquid that solids enclose may see no surface: its nodes have the constant null space,
+   and rounding can leave them a pivot of zero or less. */
 static PetscErrorCode SetUpCoarseSolver(KSP ksp)
 {
   const char *const defaults[][2] = {{"mg_levels_ksp_type", KSPRICHARDSON},
                                      {"mg_levels_ksp_max_it", "1"},
-                                     {"mg_levels_pc_type", PCSOR}};
+                                     {"mg_levels_pc_type", PCSOR},
+                                     {"redundant_pc_factor_shift_type", "positive_definite"}};
   char              option[PETSC_STATIC_ARRAY_LENGTH(defaults)][PETSC_MAX_PATH_LEN];
   PetscBool         set[PETSC_STATIC_ARRAY_LENGTH(defaults)];
   const char       *prefix;
