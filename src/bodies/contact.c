@@ -37,8 +37,8 @@
 #define SLIDES   4    /* of regula falsi; on a circle 1e-6 spacings are left */
 #define CORNER   0.5  /* sine of the angle from which a place belongs to a corner, and does not slide */
 #define STRAIGHT 1e-3 /* the same, up to which it is the nearest one */
-/* change of the slope within SLIDE, over the slope, of a bent surface; tests/verify/touching.py holds with 0.1 and 0.4
- */
+/* change of the slope within SLIDE, over the slope, of a bent surface; tests/verify/touching.py holds with 0.1,
+   0.4 */
 #define BENT 0.2
 /* spacings that liquid leaves a wedge in 'leave', faster than liquid of the scene; with 3 a cylinder rolls 0.76 of its
    way, with 30 as with 10 */
