@@ -45,6 +45,22 @@ static PetscBool IsBare(Cloud cloud, PetscInt b)
   return (PetscBool)!wet;
 }
 
+/* Whether a face of the box cuts a solid: its force there has nothing to balance it. */
+static PetscBool IsCut(Domain domain, Body solid)
+{
+  PetscReal lower[DIM], upper[DIM];
+  PetscBool cut = PETSC_FALSE;
+
+  BodyBounds(solid, lower, upper);
+  for (PetscInt f = 0; f < 2 * domain->dim; f++) {
+    const PetscInt d = f / 2;
+
+    if (domain->face[d][f % 2] != FACE_WALL && domain->face[d][f % 2] != FACE_OPEN) continue;
+    cut = (PetscBool)(cut || (f % 2 ? upper[d] >= domain->upper[d] : lower[d] <= domain->lower[d]));
+  }
+  return cut;
+}
+
 static PetscErrorCode FindLevels(Cloud cloud, Levels *levels)
 {
   const PetscInt solids                    = SceneSolidCount(cloud->scene);
@@ -63,7 +79,8 @@ static PetscErrorCode FindLevels(Cloud cloud, Levels *levels)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, (PetscMPIInt)(3 * solids), MPIU_REAL, MPIU_SUM, cloud->comm));
   for (PetscInt s = 0; s < solids; s++)
-    if (sum[3 * s] > 0 && sum[3 * s + 2] == 0) levels->of[s] = sum[3 * s + 1] / sum[3 * s];
+    if (sum[3 * s] > 0 && sum[3 * s + 2] == 0 && !IsCut(cloud->domain, SceneSolid(cloud->scene, s)))
+      levels->of[s] = sum[3 * s + 1] / sum[3 * s];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
