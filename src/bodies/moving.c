@@ -102,14 +102,16 @@ static PetscErrorCode Drag(const Step *step, const PetscReal velocity[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mean of the velocities (m/s, [n_total][3]) at the start and the end of the step, of solids that move; before the
-   first step they rest: what starts with a speed is brought to it. The cloud's positions are those in the middle. */
+/* The mean of the velocities (m/s, [n_total][3]) at the start and the end of the step, of solids that move, but not of
+   free bodies (free.c), and what is beside them; before the first step they rest: what starts with a speed is brought
+   to it. The cloud's positions are those in the middle. */
 static PetscErrorCode MeanVelocities(const Step *step, PetscReal mean[])
 {
   const Cloud     cloud  = step->cloud;
   const PetscReal middle = step->time + 0.5 * step->dt;
 
   PetscFunctionBegin;
+  PetscCall(PetscArrayzero(mean, DIM * cloud->n_total));
   for (PetscInt a = cloud->n_fluid; a < cloud->n_owned; a++) {
     const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][a]);
     PetscReal  x[DIM], start[DIM] = {0, 0, 0};
@@ -120,7 +122,7 @@ static PetscErrorCode MeanVelocities(const Step *step, PetscReal mean[])
     if (!step->first) BodyMotion(solid, step->time, x, start);
     for (PetscInt d = 0; d < DIM; d++) mean[DIM * a + d] = 0.5 * (start[d] + cloud->field[FIELD_VELOCITY][DIM * a + d]);
   }
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, mean));
+  PetscCall(OperatorsBeside(cloud, mean));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,12 +140,8 @@ static PetscErrorCode Kick(const Step *step)
   PetscCall(MeanVelocities(step, mean));
   PetscCall(OperatorsWallForce(cloud, PressureGradientCorrected(step->pressure), force));
   PetscCall(PressureLoad(step->pressure, force));
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++) {
-    const Body solid = MovingSolid(cloud->scene, cloud->integer[INT_BODY][b]);
-
-    if (solid && BodyMass(solid) <= 0) /* free bodies: free.c */
-      step->trial->sum[SUM_SOLID_WORK] -= step->dt * Dot(force + DIM * b, mean + DIM * b);
-  }
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_total; b++)
+    step->trial->sum[SUM_SOLID_WORK] -= step->dt * Dot(force + DIM * b, mean + DIM * b);
   PetscCall(CloudRestoreWork(cloud, &mean));
   PetscCall(CloudRestoreWork(cloud, &force));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -144,46 +144,16 @@ static PetscErrorCode ContinuePressure(const Step *step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Takes from u (m/s), at dummy particle b, what is not along its wall or solid. */
-static void KeepAlong(Cloud cloud, PetscInt b, PetscReal u[DIM])
-{
-  const Domain     domain = cloud->domain;
-  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * b;
-
-  if (cloud->integer[INT_BODY][b] <= BODY_SOLID) {
-    const PetscReal *n = cloud->solid_normal + DIM * b, across = Dot(u, n);
-
-    for (PetscInt d = 0; d < DIM; d++) u[d] -= across * n[d];
-  } else
-    for (PetscInt d = 0; d < DIM; d++)
-      if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) u[d] = 0;
-}
-
-/* u[] ([n_total][3]): the velocity of what pushes. The sum of pairs of the liquid in front is the force on its face
-   only with the dummy particles beside the face: a column was lifted by 4 % too little, a quarter of a spacing at each
-   wall. So these have, along their wall, the mean velocity of the liquid around, 0 for what does not push. */
+/* u[] ([n_total][3]): the velocity of what pushes, and what dummy particles beside it have of it. */
 static PetscErrorCode FindPushing(const Step *step, PetscReal u[])
 {
   const Emissions *emissions = (Emissions *)step->own;
-  const Cloud      cloud     = step->cloud;
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(u, DIM * cloud->n_total));
+  PetscCall(PetscArrayzero(u, DIM * step->cloud->n_total));
   for (const Pushed *p = emissions->pushed; p < emissions->pushed + emissions->count; p++)
     PetscCall(PetscArraycpy(u + DIM * p->a, p->v, DIM));
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
-  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
-    PetscInt count = 0;
-
-    for (PetscInt64 k = cloud->first[b]; k < cloud->first[b + 1]; k++) {
-      if (cloud->integer[INT_LAYER][cloud->list[k]]) continue;
-      for (PetscInt d = 0; d < DIM; d++) u[DIM * b + d] += u[DIM * cloud->list[k] + d];
-      count++;
-    }
-    for (PetscInt d = 0; d < DIM && count; d++) u[DIM * b + d] /= count;
-    KeepAlong(cloud, b, u + DIM * b);
-  }
-  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  PetscCall(OperatorsBeside(step->cloud, u));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -175,3 +175,49 @@ PetscErrorCode OperatorsWallForce(Cloud cloud, PetscBool corrected, PetscReal fo
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Takes from u (m/s), at dummy particle b, what is not along its wall or solid. */
+static void KeepAlong(Cloud cloud, PetscInt b, PetscReal u[DIM])
+{
+  const Domain     domain = cloud->domain;
+  const PetscReal *x      = cloud->field[FIELD_POSITION] + DIM * b;
+
+  if (cloud->integer[INT_BODY][b] <= BODY_SOLID) {
+    const PetscReal *n = cloud->solid_normal + DIM * b, across = Dot(u, n);
+
+    for (PetscInt d = 0; d < DIM; d++) u[d] -= across * n[d];
+  } else
+    for (PetscInt d = 0; d < DIM; d++)
+      if (x[d] < domain->lower[d] || x[d] > domain->upper[d]) u[d] = 0;
+}
+
+PetscErrorCode OperatorsBeside(Cloud cloud, PetscReal u[])
+{
+  PetscReal *beside;
+
+  PetscFunctionBegin;
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  PetscCall(CloudGetWork(cloud, DIM, &beside));
+  for (PetscInt b = cloud->n_fluid; b < cloud->n_owned; b++) {
+    PetscReal *mean  = beside + DIM * b;
+    PetscInt   count = 0;
+
+    for (PetscInt d = 0; d < DIM; d++) mean[d] = u[DIM * b + d];
+    if (Dot(mean, mean) > 0) continue;
+    for (PetscInt64 k = cloud->first[b]; k < cloud->first[b + 1]; k++) {
+      const PetscInt   a = cloud->list[k];
+      const PetscReal *v = u + DIM * a;
+
+      if (cloud->integer[INT_LAYER][a] && Dot(v, v) == 0) continue;
+      for (PetscInt d = 0; d < DIM; d++) mean[d] += v[d];
+      count++;
+    }
+    for (PetscInt d = 0; d < DIM && count; d++) mean[d] /= count;
+    KeepAlong(cloud, b, mean);
+  }
+  PetscCall(
+    PetscArraycpy(u + DIM * cloud->n_fluid, beside + DIM * cloud->n_fluid, DIM * (cloud->n_owned - cloud->n_fluid)));
+  PetscCall(CloudRestoreWork(cloud, &beside));
+  PetscCall(CloudUpdateArray(cloud, DIM, PARITY_VECTOR, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -97,6 +97,12 @@ def solids():
     # A paddle that starts with a speed gives what the water gets, not twice.
     s, rest = books(PISTON + "-series_interval 0.01 -time_end 0.02", "paddle")
     runs.check_within(s["outside_work"][-1] / s["kinetic_energy"].max(), 0.95, 1.05, "work of a paddle that starts")
+    # A piston lifts a column, between walls and in a periodic box, whose floor cuts it.
+    for side in "wall", "periodic":
+        s, rest = books(f"""-dimension 2 -spacing 0.01 -box_lower 0,-0.1 -box_upper 0.1,0.6 -box_x {side} -box_ymin wall
+         -gravity 0,-9.81 -bodies water -water_lower 0,0.04 -water_upper 0.1,0.3 -water_velocity 0,0.2 -solids piston
+         -piston_lower -1,-1 -piston_upper 1,0.04 -piston_velocity 0,0.2 -series_interval 0.1 -time_end 0.5 """, side)
+        runs.check_below(abs(rest[-1]), 0.01, f"books of a piston, {side}")
 
 
 def at_rest():
