@@ -12,7 +12,6 @@ WRONG = "wrong: "  # before a fate
 # What is wrong and not cured, {(scene, relation): why}: it must still be wrong in its scene, or its row goes.
 KNOWN = {("boat_at_wall/case", "books"): "liquid at rest rises by 0.05 % of its depth while the rows of its surface "
                                          "settle, more than a few coarse steps exchange",
-         ("stirred_tank/case", "books"): "a paddle of 1.2 spacings pushes as both of its sides together",
          ("contact_angle/ball", "books"): "a drop on a ball gains 0.14 % of its surface energy as its edge settles",
          ("channel/10", "books"): "syrup between a plate and a floor that slide, in steps of a twentieth of their way",
          **{(f"random/{k}", "books"): "strained graded rings gain 0.3 to 3 % of their kinetic energy"
