@@ -239,6 +239,7 @@ ENTRIES += [Entry("contact_angle", f"plug, {angle} degrees, 10 spacings", f"-wal
 ENTRIES += [Entry("contact_angle", "plug, 60 degrees, 20 spacings", "-spacing 0.05e-3", file="plug.opts")]
 ENTRIES += [Entry("contact_angle", f"plug in a tube, {angle} degrees, 20 spacings", f"-wall_contact_angle {angle}",
                   file="tube.opts") for angle in (60, 120)]
+ENTRIES += [Entry("contact_angle", "plug in a square channel, 60 degrees, 20 spacings", file="corner.opts")]
 ENTRIES += [Entry("contact_angle", f"plug that moves, {count} spacings",
                   f"-gravity 0,-15 -wall_contact_law cox_voinov -spacing {1e-3 / count}", size, file="plug.opts")
             for count, size in ((10, TEST), (20, "short"))]
