@@ -24,8 +24,8 @@
 /* A surface ends at a wall if the part of its normal along the wall is at least this times the sine of the contact
    angle. */
 #define PARALLEL 0.5
-/* The surface lies along a wall if less than this of the gradient of the particles beside another one is along both:
-   with 0.25 the meniscus in the corner of a cup at 60 degrees comes apart. */
+/* The surface lies along a wall if less than this of the gradient of the particles beside another one is along both: with
+   0.25 the meniscus in the corner of a cup at 60 degrees comes apart. */
 #define LIES     0.1
 #define FAR_AWAY 1e30 /* m */
 
@@ -219,14 +219,15 @@ static void RemoveImages(SortedCells *liquid, const WallImages *image)
 }
 
 /* Makes of 'flat', along the wall of group g, the direction in which its images are moved where the particle sees other
-   walls. Of a normal the part along all walls is lengthened, at most by 1/PARALLEL, and the rest remains beside a wall
-   along which the surface lies. 'partial': flat is that of the gradient of the particles alone, which other walls cut
-   off: only its direction along all walls is known, and that the normal has the contact angle with each. */
+   walls: the part along all walls, lengthened; flat remains beside a wall along which the surface lies. 'partial': flat
+   is that of the gradient of the particles alone, which other walls cut off: only its direction along all walls is
+   known, and that the normal has the contact angle with each. */
 static void AlongOthers(Tension tension, const At *at, const Around *around, PetscInt g, PetscReal sine,
                         PetscBool partial, PetscReal flat[DIM])
 {
-  PetscReal along[DIM] = {flat[0], flat[1], flat[2]}, left = PetscSqr(sine), square = Dot(flat, flat), part, scale;
-  PetscInt  others = 0;
+  PetscReal along[DIM] = {flat[0], flat[1], flat[2]}, left = PetscSqr(sine), square = Dot(flat, flat), share, scale,
+            weight;
+  PetscInt others = 0;
 
   for (PetscInt h = 0; h < around->images; h++) {
     PetscReal    inward[DIM], into;
@@ -240,11 +241,11 @@ static void AlongOthers(Tension tension, const At *at, const Around *around, Pet
     left -= PetscSqr(contact.cosine);
     others++;
   }
-  part = Dot(along, along);
-  if (!others || square == 0 || (partial && part < PetscSqr(LIES) * square)) return;
-  scale = partial ? PetscSqrtReal(square / part * PetscSqr(sine) / PetscMax(left, PetscSqr(PARALLEL * sine)))
-                  : square / PetscMax(part, PetscSqr(PARALLEL) * square);
-  for (PetscInt d = 0; d < DIM; d++) flat[d] = (partial ? 0 : 1 - scale * part / square) * flat[d] + scale * along[d];
+  share = square > 0 ? Dot(along, along) / square : 0;
+  if (!others || share == 0) return;
+  scale  = partial ? sine / PetscSqrtReal(share * PetscMax(left, PetscSqr(PARALLEL * sine))) : 1 / share;
+  weight = PetscMin(1, share / PetscSqr(partial ? LIES : PARALLEL));
+  for (PetscInt d = 0; d < DIM; d++) flat[d] = (1 - weight) * flat[d] + weight * scale * along[d];
 }
 
 void ImagesTilt(Tension tension, const At *at, const Around *around, const PetscReal outward[DIM], PetscReal full)
