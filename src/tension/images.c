@@ -24,8 +24,8 @@
 /* A surface ends at a wall if the part of its normal along the wall is at least this times the sine of the contact
    angle. */
 #define PARALLEL 0.5
-/* The surface lies along a wall if less than this of the gradient of the particles beside another one is along both: with
-   0.25 the meniscus in the corner of a cup at 60 degrees comes apart. */
+/* The surface lies along a wall if less than this of the gradient of the particles beside another one is along both:
+   with 0.25 the meniscus in the corner of a cup at 60 degrees comes apart. */
 #define LIES     0.1
 #define FAR_AWAY 1e30 /* m */
 
