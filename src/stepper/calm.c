@@ -17,12 +17,12 @@
    mean around it, in proportion to the fourth power of a wave's number, decays as well, with HANGING sqrt(f/s) times
    the cosine between f and the outward normal. Decay alone is too little: what is unstable then grows slowly. So a row
    out of line moves back, with LEVEL sqrt(f/s) times what its height differs from the rows of the surface around it,
-   less the mean of theirs, which is curvature.
+   less the mean of theirs, which is curvature. They count by |sum V grad W|^2, so that none comes or goes at once.
 
-   So does that of rings within the support of the kernel of the axis, with sqrt(sigma/(rho s^3)). Such a ring and its
-   image are one particle: the errors of both add up, and what is small across the axis is large along it. The poles of
-   a drop at rest trembled forever, and those of a bubble that swings came apart within two periods. A third of RATE of
-   the lack itself leaves two of eight bubbles so; RATE holds them, but a jet on the axis is 3 % late. */
+   The lacks of rings within the support of the kernel of the axis decay, too, with sqrt(sigma/(rho s^3)). Such a ring
+   and its image are one particle: the errors of both add up, and what is small across the axis is large along it. The
+   poles of a drop at rest trembled forever, and those of a bubble that swings came apart within two periods. A third of
+   RATE of the lack itself leaves two of eight bubbles so; RATE holds them, but a jet on the axis is 3 % late. */
 #include "stepper_impl.h"
 
 /* 0.1 to 1 give a tank at rest the same order; the period of a wave falls by 0.1 % at 0.3 and 1. */
@@ -30,9 +30,8 @@
 /* 10 lets a hanging drop of 13 spacings creep, 60 and 100 hold its contact radius within 1 % (five packings) */
 #define HANGING 60
 #define AT_ONCE 0.5 /* the largest share of it in a step: with .9 it overshoots */
-/* Without it a drop of 13 spacings hangs by up to 2 % too narrow as rings, in space by 1 to 4 %; with 0.1 to 1 by 0.4
-   and 1 %. */
-#define LEVEL  0.3
+/* The surface of a hanging drop of 13 spacings has a roughness of 0.03 spacings, 0.13 without it; with 0.3 the same */
+#define LEVEL  0.1
 #define BESIDE -0.5 /* such cosines have rows beside one that hangs, on a drop of six spacings */
 
 /* What the velocity v ([n_total][3], m/s) of particle a lacks to the linear flow around it. */
@@ -112,21 +111,21 @@ static void Rough(Cloud cloud, PetscInt a, const PetscReal lack[], PetscReal rou
   for (PetscInt d = 0; d < DIM; d++) rough[d] = lack[DIM * a + d] - (weight > 0 ? mean[d] / weight : 0);
 }
 
-/* The part along its normal of what a row a of the surface lacks to the mean of q ([n_total][3]) over those around it.
- */
+/* The part along its normal of what a row a of the surface lacks to the mean of q ([n_total][3]) around it. */
 static void SurfaceLack(Cloud cloud, PetscInt a, const PetscReal q[], PetscReal lack[DIM])
 {
   const PetscReal *n      = cloud->field[FIELD_NORMAL] + DIM * a;
   PetscReal        weight = 0, along = 0;
 
   for (PetscInt64 k = cloud->first[a]; k < cloud->first[a + 1] && cloud->integer[INT_SURFACE][a] == 1; k++) {
-    const PetscInt  b = cloud->list[k];
-    const PetscReal K = cloud->integer[INT_SURFACE][b] == 1 && !cloud->integer[INT_LAYER][b] ? cloud->laplacian[k] : 0;
+    const PetscInt   b = cloud->list[k];
+    const PetscReal *m = cloud->field[FIELD_NORMAL] + DIM * b,
+                    K  = cloud->integer[INT_LAYER][b] ? 0 : cloud->laplacian[k] * Dot(m, m);
 
     weight += K;
     for (PetscInt d = 0; d < DIM; d++) along += K * (q[DIM * b + d] - q[DIM * a + d]) * n[d];
   }
-  for (PetscInt d = 0; d < DIM; d++) lack[d] = weight > 0 ? along / (weight * Dot(n, n)) * n[d] : 0;
+  for (PetscInt d = 0; d < DIM; d++) lack[d] = weight * Dot(n, n) > 0 ? along / (weight * Dot(n, n)) * n[d] : 0;
 }
 
 PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
@@ -139,6 +138,7 @@ PetscErrorCode StepCalm(Stepper stepper, PetscReal dt)
   PetscCall(CloudGetWork(cloud, DIM, &lack));
   PetscCall(CloudGetWork(cloud, DIM, &low));
   PetscCall(CloudUpdate(cloud, FIELD_VELOCITY_NEW));
+  PetscCall(CloudUpdate(cloud, FIELD_NORMAL));
   PetscCall(PetscArrayzero(lack, DIM * cloud->n_total));
   PetscCall(PetscArrayzero(low, DIM * cloud->n_total));
   for (PetscInt a = 0; a < cloud->n_fluid; a++) {
