@@ -72,9 +72,8 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
     BodyMotion(place->body, time, x, place->velocity);
   }
   for (PetscInt b = 0; b < SceneCount(scene) && !place->body; b++) {
-    const Body      body = SceneBody(scene, b);
-    PetscReal       image[DIM];
-    const PetscReal distance = BodyNearest(body, x, image);
+    const Body      body     = SceneBody(scene, b);
+    const PetscReal distance = BodyDistance(body, x); /* a face that is periodic cuts liquid, too */
 
     place->near = (PetscBool)(place->near || PetscAbsReal(distance) < near);
     if (distance >= 0) continue;
@@ -85,7 +84,7 @@ static void Look(const Model *model, PetscReal time, const PetscReal at[DIM], Pl
     if (BodyComesLater(body))
       BodyFillingVelocity(body, time, x, place->velocity);
     else
-      BodyVelocity(body, image, place->velocity);
+      BodyVelocity(body, x, place->velocity);
   }
   if (!place->body) place->body = SceneHoleAt(scene, x);
   if (sim->domain->graded && !sim->domain->adaptive) place->spacing = SceneSpacing(scene, x);

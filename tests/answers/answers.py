@@ -107,6 +107,8 @@ HOLDS = (
     ("law_of_the_line", LAW + "-wall_contact_law cox_voinov", "", "viscosity"),
     ("static_line", LAW, "viscosity", ""),
     ("same_angle_said_twice", ANGLE + "-box_xmin_contact_angle 60", "rings", ""),
+    ("ball_cut_by_a_periodic_face", "-spacing 0.1 -box_lower -1,-1,-1 -box_upper 1,1,1 -box_x periodic -bodies a "
+     "-a_shape sphere -a_radius 0.5 -a_center 1,0,0 -a_tension 1 -time_end 1", "across y", "across x"),
     ("hot_on_one_side", TANK.format("0.5") + "-a_temperature 300 -a_temperature_gradient 10,0,0", "across y",
      "rings, across x"),
     ("another_angle", ANGLE + "-box_xmin_contact_angle 70", "across y", "rings, across x"))
