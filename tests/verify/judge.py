@@ -41,7 +41,7 @@ runs.check(np.abs(physics.semi_axes(disc) - [3, 0.5]).max() < 0.01, "semi_axes",
 time = np.linspace(0, 4, 400)
 found = physics.damped_cosine(time, 3 + np.exp(-0.3 * time) * np.cos(5 * time + 1), 5.3, 0.1)
 runs.check(abs(found[0] - 5) < 1e-3 and abs(found[1] - 0.3) < 1e-3, "damped_cosine", found)
-runs.check(np.isnan(physics.damped_cosine(time, np.exp(9 * time), 1, 0.1)[0]), "damped_cosine of what only grows")
+runs.check(len(physics.damped_cosine(time, time**2, 1, 0.1)) == 3, "damped_cosine of what has none ends")
 row = np.array([[x, 0, 0] for x in (9, 0, 1, 2, 3.2, 4.2)])
 runs.check(list(physics.components(row, 1.1)) == [2, 0, 0, 0, 1, 1], "pieces", physics.components(row, 1.1))
 grown = physics.components(row, 1.1, np.array([1, 1, 1, 1.2, 1.2, 1]))

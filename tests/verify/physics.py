@@ -69,7 +69,7 @@ def shown(name, measured, expected=np.nan, unit=""):
 
 def damped_cosine(t, q, frequency, damping):
     """Frequency and damping (1/s) of exp(-b t)(A cos wt + B sin wt) + C by least squares, from a first guess; and the
-    root of the mean square of what is left over the largest q. What grows for ever has no such fit: nan."""
+    root of the mean square of what is left over the largest q. What has no such fit: nan."""
     def rest(w, b):
         shape = np.exp(-b * t)
         A = np.column_stack([shape * np.cos(w * t), shape * np.sin(w * t), np.ones_like(t)])
