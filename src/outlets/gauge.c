@@ -16,9 +16,10 @@ static PetscErrorCode Columns_Outlets(Gauges gauges, const void *data, ColumnLis
   PetscFunctionBegin;
   for (PetscInt f = 0; f < 2 * DIM && outlets; f++) {
     if (!outlets->face[f / 2][f % 2]->on) continue;
-    PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM}, "outflow_%s", FaceNames[f / 2][f % 2]));
-    PetscCall(
-      ColumnAdd(list, (Column){.unit = "m3/s", .counts = COUNTS_SUM}, "outflow_rate_%s", FaceNames[f / 2][f % 2]));
+    PetscCall(ColumnAdd(list, (Column){.unit = "m3", .counts = COUNTS_SUM, .needs = NEEDS_PAST}, "outflow_%s",
+                        FaceNames[f / 2][f % 2]));
+    PetscCall(ColumnAdd(list, (Column){.unit = "m3/s", .counts = COUNTS_SUM, .needs = NEEDS_PAST}, "outflow_rate_%s",
+                        FaceNames[f / 2][f % 2]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,6 +79,29 @@ static PetscErrorCode ViewMatter(Body body, PetscViewer viewer)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Warns of what is not filled: unlike solids, a body of liquid does not go on behind a periodic face. One that reaches
+   beyond both faces fills the period. */
+static PetscErrorCode ViewCut(Body body, PetscViewer viewer)
+{
+  const Domain domain = body->domain;
+  PetscReal    lower[DIM], upper[DIM];
+
+  PetscFunctionBegin;
+  body->shape->bounds(body, lower, upper);
+  for (PetscInt d = 0; d < domain->dim; d++) {
+    const PetscBool below = (PetscBool)(lower[d] < domain->lower[d] - 0.5 * domain->spacing),
+                    above = (PetscBool)(upper[d] > domain->upper[d] + 0.5 * domain->spacing);
+
+    if (domain->face[d][0] != FACE_PERIODIC || below == above) continue;
+    PetscCall(PetscViewerASCIIPrintf(viewer,
+                                     "warning: %s is cut at the periodic face %c%s; a second body of this shape, %g m "
+                                     "away, fills what is beyond it\n",
+                                     body->name, "xyz"[d], below ? "min" : "max",
+                                     (double)(domain->upper[d] - domain->lower[d])));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
 {
   const PetscInt dim = body->domain->dim;
@@ -95,6 +118,7 @@ PetscErrorCode BodyView(Body body, PetscBool tension, PetscViewer viewer)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscViewerASCIIPushTab(viewer));
+  PetscCall(ViewCut(body, viewer));
   PetscCall(ViewMatter(body, viewer));
   PetscCall(PetscViewerASCIIPrintf(viewer, "velocity %s and %s m/s\n", body->velocity_type,
                                    VectorText(dim, body->uniform, to)));

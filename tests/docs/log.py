@@ -161,4 +161,8 @@ SYRUP = """-dimension 2 -spacing 0.2e-3 -box_lower -4e-3,-3e-3 -box_upper 4e-3,3
 text = log(runs.run(SYRUP, "syrup"))
 runs.check("energy has grown" not in text and "-time_cfl" not in text and re.search(
     r"within the error of its measurement, \S+ J/m", text), "syrup_gains_no_energy", text[-900:])
+CUT = CALM + "-box_x periodic -a_upper 0.3,0.3 "
+for lower, due in (("-0.2,0", ["warning: a is cut at the periodic face xmin", "m away"]), ("0,0", [])):
+    text = log(runs.run(CUT + f"-a_lower {lower}", f"from_{lower[0:4]}"))
+    runs.check(all(word in text for word in due) and ("is cut" in text) == bool(due), f"cut_at_{lower}", text[-800:])
 runs.done()

@@ -116,13 +116,13 @@ def told(t):
 
 
 def afterwards(run):
-    """-measure finds in the snapshots what the run has measured, but for forces, which are those of a step's middle, and
-    what has left, of which it has no share; gas and free solids are refused."""
+    """-measure finds in the snapshots what the run has measured, but for forces, which are those of a step's middle; gas
+    and free solids are refused."""
     done = runs.start(["-measure", run.folder])
     if done.returncode:
         return [f"-measure: {done.stderr.strip()[-200:]}"] * ("-measure cannot be used with" not in done.stderr)
     after, series = run.table("measured.csv", "series.csv"), run.table("series.csv")
-    largest = {name: np.nanmax(np.abs(series[name]), initial=0) for name in after if not name.startswith(("force", "outflow"))}
+    largest = {name: np.nanmax(np.abs(series[name]), initial=0) for name in after if not name.startswith("force")}
     return [f"-measure: {name} {after[name][-1]:.6g}, the run {series[name][-1]:.6g}" for name in largest if not
             np.isclose(after[name][-1], series[name][-1], SLACK, AFTER * largest[name], equal_nan=True)]
 

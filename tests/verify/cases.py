@@ -288,7 +288,7 @@ ENTRIES += [Entry("drop_collision", "head-on", size=TEST),
             Entry("weir"), Entry("pump"), Entry("boat_at_wall")]
 ENTRIES += [Entry(case, "rings", file=RINGS) for case in ("thin_film", "deep_pool", "dry_wall", "jet")]
 ENTRIES += [Entry("dry_wall", "rings, D/32", "-spacing 0.0625e-3", file=RINGS),
-            Entry("dry_wall", "water", file="water.opts"),
+            Entry("dry_wall", "water", file="water.opts", packings=3),
             Entry("dry_wall", "water that bounces", "-wall_contact_angle 160 -wall_contact_hysteresis 0 "
                   "-drop_velocity 0,-0.5 -time_end 16e-3", TEST, file="water.opts"), Entry("ink_drop", size=TEST),
             Entry("capillary_rise"), Entry("dripping")]
