@@ -13,9 +13,9 @@ WRONG = "wrong: "  # before a fate
 KNOWN = {("boat_at_wall/case", "books"): "liquid at rest rises by 0.05 % of its depth while the rows of its surface "
                                          "settle, more than a few coarse steps exchange",
          ("contact_angle/ball", "books"): "a drop on a ball gains 0.14 % of its surface energy as its edge settles",
-         ("contact_angle/slope", "books"): "a drop on a slope gains a third of what little it exchanges as its edge settles",
-         ("bottle/case_3d", "books"): "water that hardly moves loses what its weight gives in a fall of 0.04 spacings, as "
-                                      "its coarse surface settles",
+         ("contact_angle/slope", "books"): "a drop on a slope gains a third of what it exchanges as its edge settles",
+         ("bottle/case_3d", "books"): "water that hardly moves loses what its weight gives in 0.04 spacings as its "
+                                      "coarse surface settles",
          ("random/99", "stream"): "the viscosity of a power law is that of noise where liquid does not shear",
          ("channel/10", "books"): "syrup between a plate and a floor that slide, in steps of a twentieth of their way",
          **{(f"random/{k}", "books"): "strained graded rings gain 0.3 to 3 % of their kinetic energy"

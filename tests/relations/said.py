@@ -116,8 +116,8 @@ def told(t):
 
 
 def afterwards(run):
-    """-measure finds in the snapshots what the run has measured, but for forces, which are those of a step's middle; gas
-    and free solids are refused."""
+    """-measure finds in the snapshots what the run has measured, but for forces, which are those of a step's middle;
+    gas and free solids are refused."""
     done = runs.start(["-measure", run.folder])
     if done.returncode:
         return [f"-measure: {done.stderr.strip()[-200:]}"] * ("-measure cannot be used with" not in done.stderr)
