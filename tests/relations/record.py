@@ -16,6 +16,10 @@ KNOWN = {("boat_at_wall/case", "books"): "liquid at rest rises by 0.05 % of its 
          ("contact_angle/slope", "books"): "a drop on a slope gains a third of what it exchanges as its edge settles",
          ("bottle/case_3d", "books"): "water that hardly moves loses what its weight gives in 0.04 spacings as its "
                                       "coarse surface settles",
+         ("random/99", "ends"): "a short last step changes speeds 3.1 times as much as two whole ones; the liquid of a "
+                               "power law hardly shears",
+         ("sinking_ball/case", "ends"): "a short last step changes speeds 3.2 times as much as two whole ones; "
+                                        "the cause is not known",
          ("random/99", "stream"): "the viscosity of a power law is that of noise where liquid does not shear",
          ("channel/10", "books"): "syrup between a plate and a floor that slide, in steps of a twentieth of their way",
          **{(f"random/{k}", "books"): "strained graded rings gain 0.3 to 3 % of their kinetic energy"

@@ -54,7 +54,7 @@ REFUSED = re.compile(r"isph: error: (.*(?:cannot be used with| needs |must lie i
                      r"too small for the kernel|covered by a solid).*)", re.S)
 NUMBERS = itertools.count()  # of folders
 # of a step, which a run has left for its last one; of the change in two whole steps, and of the largest speed
-SHORT, MORE, KICK = 0.01, 4, 3e-4  # 3.1 in a liquid of a power law that hardly shears (random/99)
+SHORT, MORE, KICK = 0.01, 3, 3e-4
 
 
 class Run:
